@@ -6,7 +6,7 @@
 
 use crate::camera::Camera;
 use crate::design::DesignChoice;
-use crate::fixed::{self, Options, QuantisedScene, draw_with_footprints};
+use crate::fixed::{self, Options, QuantisedScene};
 use crate::metrics::{Errors, compare};
 use crate::rules::Rules;
 use crate::scene::{Bounds, Scene, Splat, Weight};
@@ -41,8 +41,9 @@ pub fn contributions(scene: &Scene, cameras: &[Camera], rules: &Rules) -> Vec<f6
     let painter = Painter::new(Standard24, &kernel_rules, table, order, Traversal::Spans);
     let one = f64::from(1u32 << widths.alpha);
     for camera in cameras {
-        let (_, footprints) =
-            draw_with_footprints(scene, camera, &Options::front_to_back(rules, &standard()));
+        let design = standard();
+        let options = Options::front_to_back(rules, &design);
+        let footprints = fixed::footprints(scene, camera, &options);
         let mut order: Vec<usize> = (0..footprints.len()).collect();
         order.retain(|index| footprints[*index].is_ok());
         order.sort_by_key(|index| footprints[*index].map_or(0, |footprint| footprint.depth));

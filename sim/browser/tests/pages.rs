@@ -4,9 +4,11 @@
 //! Pages are written by the `splatline` that lies beside the tests (`cargo build -p splatline-sim` makes it).
 //! Screenshots of all of them, wide and narrow, light and dark, are left in `target/tmp/pages` for people to look at.
 
+mod chromium;
+
 use anyhow::{Context, Result, ensure};
+use chromium::Browser;
 use serde_json::{Value, json};
-use splatline_browser::Browser;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -136,7 +138,7 @@ fn the_live_page_answers() -> Result<()> {
 
     // A slider dragged to the left makes the picture worse.
     let [x, y] = browser.middle("#width-alpha")?;
-    let shown = browser.text("document.querySelector('#width-alpha + output').textContent")?;
+    let shown = browser.said("#width-alpha + output")?;
     browser.drag(&[[x, y], [x - 20.0, y], [x - 60.0, y]])?;
     let after = "Number(document.querySelector('#width-alpha + output').textContent)";
     let bits = browser.number(after)?;
@@ -147,16 +149,12 @@ fn the_live_page_answers() -> Result<()> {
 
     // Truncation darkens.
     browser.evaluate("splatline.choose('lean18')")?;
-    browser.evaluate(
-        "(() => { const e = document.querySelector('#rounding'); e.value = 1; e.dispatchEvent(new Event('change')); })()",
-    )?;
+    browser.choose("#rounding", "1", "change")?;
     browser.wait("splatline.figures().bias < -1e-7")?;
 
     // Widths that exclude each other are refused in words.
     browser.evaluate("splatline.choose('standard24')")?;
-    browser.evaluate(
-        "(() => { const e = document.querySelector('#rounding'); e.value = 2; e.dispatchEvent(new Event('change')); })()",
-    )?;
+    browser.choose("#rounding", "2", "change")?;
     browser.wait("document.querySelector('#times').textContent.startsWith('not drawn: ')")?;
     browser.evaluate("splatline.choose('lean18')")?;
     browser.wait("!document.querySelector('#times').textContent.startsWith('not drawn: ')")?;
@@ -165,17 +163,17 @@ fn the_live_page_answers() -> Result<()> {
     let [x, y] = browser.middle("#fixed")?;
     browser.mouse("mouseMoved", [x + 3.0, y + 5.0], false)?;
     browser.wait("document.querySelectorAll('#values tr').length === 4")?;
-    let place = browser.text("document.querySelector('#values th').textContent")?;
-    let red = browser.text("document.querySelector('#values tr:nth-child(2) td').textContent")?;
+    let place = browser.said("#values th")?;
+    let red = browser.said("#values tr:nth-child(2) td")?;
     let value = browser.text(&format!(
         "splatline.value(0, 0, ...'{place}'.match(/\\d+/g).map(Number)).toFixed(9)"
     ))?;
     ensure!(red == value, "{place}: shown {red}, drawn {value}");
-    let fields = browser.number("document.querySelectorAll('#packet tr').length")?;
+    let fields = browser.count("#packet tr")?;
     ensure!(fields == 21.0, "{fields} lines of 20 fields and a heading");
     let bits = "[...document.querySelectorAll('#packet .bits')].map(e => e.textContent.replace(/[^01]/g, '').length).reduce((a, b) => a + b)";
     let bits = browser.number(bits)?;
-    let said = browser.text("document.querySelector('#picked').textContent")?;
+    let said = browser.said("#picked")?;
     ensure!(said.contains(&format!("{bits} bits in")), "{bits}: {said}");
 
     // Dragging turns the scene, and the first view comes back bit for bit.
@@ -184,7 +182,7 @@ fn the_live_page_answers() -> Result<()> {
     browser.wait(&format!("splatline.checksum() === '{first}'"))?;
     browser.drag(&[[x, y], [x + 30.0, y + 10.0], [x + 60.0, y + 20.0]])?;
     browser.wait(&format!("splatline.checksum() !== '{first}'"))?;
-    browser.evaluate("document.querySelector('#home').click()")?;
+    browser.click("#home")?;
     browser.wait(&format!("splatline.checksum() === '{first}'"))?;
     browser.evaluate("document.querySelector('#fixed').dispatchEvent(new WheelEvent('wheel', {deltaY: -100, cancelable: true}))")?;
     browser.wait(&format!("splatline.checksum() !== '{first}'"))?;
@@ -219,7 +217,7 @@ fn the_report_answers() -> Result<()> {
     ensure!(apart <= 0.51, "values and picture are {apart} steps apart");
 
     // Zoomed in step.
-    browser.evaluate("document.querySelector('#nearer').click()")?;
+    browser.click("#nearer")?;
     let transforms = "[...document.querySelectorAll('#side .view')].map(v => v.firstElementChild.style.transform)";
     let transforms = browser.evaluate(transforms)?;
     ensure!(
@@ -232,10 +230,10 @@ fn the_report_answers() -> Result<()> {
             .is_some_and(|t| t.contains("scale(1.6)")),
         "{transforms}"
     );
-    browser.evaluate("document.querySelector('#farther').click()")?;
+    browser.click("#farther")?;
 
     // Slider and flicker.
-    browser.evaluate("document.querySelector('[data-mode=slider]').click()")?;
+    browser.click("[data-mode=slider]")?;
     let [x, y] = browser.middle("#divide")?;
     browser.drag(&[[x, y], [x + 80.0, y]])?;
     let clip = browser.text("document.querySelector('#over span').style.clipPath")?;
@@ -244,17 +242,17 @@ fn the_report_answers() -> Result<()> {
         divide > 52.0 && clip.contains(&format!("{divide}%")),
         "{divide}: {clip}"
     );
-    browser.evaluate("document.querySelector('[data-mode=flicker]').click()")?;
+    browser.click("[data-mode=flicker]")?;
     for seen in ["hidden", "visible"] {
         browser.wait(&format!(
             "document.querySelector('#over span').style.visibility === '{seen}'"
         ))?;
     }
-    browser.evaluate("document.querySelector('[data-mode=side]').click()")?;
+    browser.click("[data-mode=side]")?;
 
     // The scale by percentile: at 100 nothing lies beyond, and the largest error is the report's.
-    browser.evaluate("(() => { const e = document.querySelector('#percentile'); e.value = e.max; e.dispatchEvent(new Event('input')); })()")?;
-    let said = browser.text("document.querySelector('#outliers').textContent")?;
+    browser.choose("#percentile", "e.max", "input")?;
+    let said = browser.said("#outliers")?;
     ensure!(said.contains("; 0 beyond"), "{said}");
     let scale = browser.number("report.scaleAt(100).limit")?;
     let report = std::fs::read_to_string(out.join("report.json"))?;
@@ -264,8 +262,8 @@ fn the_report_answers() -> Result<()> {
         .context("no error")?;
     ensure!((scale / largest - 1.0).abs() < 0.005, "{scale}, {largest}");
     // At the percentile of the page's own text the sentence counts what the report counts.
-    browser.evaluate("(() => { const e = document.querySelector('#percentile'); e.value = 5; e.dispatchEvent(new Event('input')); })()")?;
-    let said = browser.text("document.querySelector('#outliers').textContent")?;
+    browser.choose("#percentile", "5", "input")?;
+    let said = browser.said("#outliers")?;
     let said = said.replace('\u{202f}', "");
     let counted = &report["error_map"]["outliers"];
     ensure!(said.starts_with("99.9 %"), "{said}");
@@ -278,7 +276,7 @@ fn the_report_answers() -> Result<()> {
     // designs take the same time and here in any case.
     browser.evaluate("(() => { const [a, b] = document.querySelectorAll('.wide .place'); b.setAttribute('cx', a.cx.baseVal.value + 4); b.setAttribute('cy', a.cy.baseVal.value); })()")?;
     browser.evaluate("document.querySelectorAll('.wide .place').forEach((place, number) => { place.dataset.number = number; })")?;
-    let places = browser.number("document.querySelectorAll('.wide .place').length")?;
+    let places = browser.count(".wide .place")?;
     ensure!(places >= 8.0, "{places} places");
     for number in 0..places as usize {
         let [x, y] = browser.middle(&format!(".wide .place[data-number='{number}']"))?;
@@ -290,8 +288,8 @@ fn the_report_answers() -> Result<()> {
             return Math.hypot(lit.cx.baseVal.value - of.cx.baseVal.value, lit.cy.baseVal.value - of.cy.baseVal.value); }})()"
         ))?;
         ensure!(apart < 0.5, "place {number} lights another, {apart} away");
-        let tip = browser.text("document.querySelector('#tip').textContent")?;
-        let row = browser.text("document.querySelector('tr.lit td').textContent")?;
+        let tip = browser.said("#tip")?;
+        let row = browser.said("tr.lit td")?;
         ensure!(tip.contains(&row) && tip.contains("PSNR"), "{tip}: {row}");
         browser.mouse("mouseMoved", [1.0, 1.0], false)?;
         browser.wait("document.querySelector('#tip').hidden && !document.querySelector('.lit')")?;
@@ -301,10 +299,7 @@ fn the_report_answers() -> Result<()> {
     // One design: no plot of a single dot.
     splatline("compare random:200 --size 64x64 --only", &out)?;
     browser.open(&out.join("report.html"), READY)?;
-    ensure!(
-        browser.number("document.querySelectorAll('.plot').length")? == 0.0,
-        "a plot of one dot"
-    );
+    ensure!(browser.count(".plot")? == 0.0, "a plot of one dot");
     no_complaints(&browser)
 }
 
@@ -345,20 +340,18 @@ fn the_sweeps_page_answers() -> Result<()> {
         });
         ensure!(areas.len() > 1 && sorted, "{areas:?}");
     }
-    let points = browser.number("document.querySelectorAll('#scatter circle').length")?;
+    let points = browser.count("#scatter circle")?;
     ensure!(points == 27.0, "{points} of 27 points");
     let psnr: Vec<f64> = serde_json::from_value(browser.evaluate(&cells("psnr_db"))?)?;
     let middle = psnr.iter().sum::<f64>() / psnr.len() as f64;
-    browser.evaluate(&format!(
-        "(() => {{ const e = document.querySelector('#least-psnr'); e.value = {middle}; e.dispatchEvent(new Event('input')); }})()"
-    ))?;
+    browser.choose("#least-psnr", &middle.to_string(), "input")?;
     let kept: Vec<f64> = serde_json::from_value(browser.evaluate(&cells("psnr_db"))?)?;
     let expected = psnr.iter().filter(|value| **value >= middle).count();
     ensure!(
         kept.len() == expected && expected < psnr.len(),
         "{kept:?} of {psnr:?} from {middle}"
     );
-    browser.evaluate("(() => { const e = document.querySelector('#least-psnr'); e.value = ''; e.dispatchEvent(new Event('input')); })()")?;
+    browser.choose("#least-psnr", "''", "input")?;
 
     // Better is up: the scatter's highest point has the largest PSNR. Axes may be chosen.
     let highest = "(() => { const c = [...document.querySelectorAll('#scatter circle')].sort((a, b) => a.cy.baseVal.value - b.cy.baseVal.value)[0]; \
@@ -368,11 +361,15 @@ fn the_sweeps_page_answers() -> Result<()> {
         browser.number(highest)? >= most,
         "the highest point is not the best"
     );
-    browser.evaluate("(() => { const e = document.querySelector('#across'); e.value = [...e.options].find(o => o.text === 'area').value; e.dispatchEvent(new Event('change')); })()")?;
+    browser.choose(
+        "#across",
+        "[...e.options].find(o => o.text === 'area').value",
+        "change",
+    )?;
     browser.wait(
         "[...document.querySelectorAll('#scatter text')].some(t => t.textContent === 'area')",
     )?;
-    let lines = browser.number("document.querySelectorAll('#parallel polyline').length")?;
+    let lines = browser.count("#parallel polyline")?;
     ensure!(lines == 27.0, "{lines} lines of 27 points");
     // Both charts have numbers on both axes.
     let ticks = browser.number("Math.min(...[...document.querySelectorAll('.still svg')].map(s => s.querySelectorAll('text').length))")?;

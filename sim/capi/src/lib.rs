@@ -10,7 +10,7 @@
 //! | `design` | named designs and rules, kernel tables |
 //! | `setup` | splats to footprints |
 //! | `packet` | footprints to packets and back, layout of the packet |
-//! | `rows` | stepping: rows of a footprint, pixels of a row |
+//! | `spans` | stepping: rows of a footprint, pixels of a row |
 //! | `draw` | whole footprints into a window |
 //! | `front` | camera, splats, scenes and strips in ordinary numbers |
 #![cfg_attr(not(feature = "std"), no_std)]

@@ -2,16 +2,13 @@
 
 use fixed::types::{I2F30, I32F32, U4F28};
 use splatline::blend::Pixel;
-use splatline::draw::Painter;
-use splatline::format::{Classic8, Deep32, Design, Lean18, Standard24, Traversal};
-use splatline::kernel::{FootprintTable, entries, fill_gaussian};
+use splatline::format::{Classic8, Deep32, Design, Lean18, Micro16, Standard24, Traversal};
+use splatline::kernel::{entries, fill_gaussian};
 use splatline::math::{Extended, SoftFloat};
-use splatline::raster::Window;
-use splatline::rules::{Compositing, Rules};
-use splatline::setup::setup;
+use splatline::rules::Rules;
 use splatline::splat::{Axis, VolumeSplat};
-use splatline::target::Target;
 use splatline::view::{Eye, Projection, RatioLimits, View};
+use splatline::{BoundedList, Camera, Gaussian, Renderer};
 use std::path::Path;
 use std::process::Command;
 
@@ -84,33 +81,23 @@ fn picture<D: Design>(design: D, traversal: Traversal) -> Vec<Pixel> {
     let (widths, rules) = (design.widths(), Rules::GAUSSIAN_3D);
     let mut memory = vec![0; entries(&widths)];
     fill_gaussian(&mut memory, &widths, rules.table_range);
-    let table = FootprintTable::new(&memory, &widths, rules.table_range).unwrap();
-    let painter = Painter::new(design, &rules, table, Compositing::FrontToBack, traversal);
-    let mut footprints: Vec<_> = splats()
-        .iter()
-        .filter_map(|splat| setup(design, &view(), &rules, splat).ok())
-        .collect();
-    footprints.sort_by_key(|footprint| footprint.depth);
-    let mut pixels = vec![Pixel::clear(&widths); PIXELS];
-    let window = Window {
-        first: [0; 2],
-        end: SIZE,
-    };
-    let mut target = Target::new(&mut pixels, window, SIZE[0].into()).unwrap();
-    for footprint in &footprints {
-        painter.draw(footprint, &mut target);
-    }
+    let renderer = Renderer::with_table(design, rules, &memory).unwrap();
+    let renderer = renderer.with_traversal(traversal);
+    let mut list = BoundedList::<200>::new();
+    let mut pixels = vec![Pixel::EMPTY; PIXELS];
+    let drawn = renderer.render(&view(), splats(), &mut list, &mut pixels);
+    drawn.unwrap();
     pixels
 }
 
 /// What the C program writes: designs, in them both traversals.
 fn expected() -> Vec<u8> {
-    let pictures = [Traversal::Box, Traversal::Spans];
+    let both = [Traversal::Box, Traversal::Spans];
     let pictures = [
-        pictures.map(|t| picture(Classic8, t)),
-        pictures.map(|t| picture(Lean18, t)),
-        pictures.map(|t| picture(Standard24, t)),
-        pictures.map(|t| picture(Deep32, t)),
+        both.map(|t| picture(Classic8, t)),
+        both.map(|t| picture(Lean18, t)),
+        both.map(|t| picture(Standard24, t)),
+        both.map(|t| picture(Deep32, t)),
     ];
     let words = |p: &Pixel| [p.colour[0], p.colour[1], p.colour[2], p.transmittance];
     let pixels = pictures.iter().flatten().flatten();
@@ -162,7 +149,6 @@ fn a_program_in_c_draws_the_same_picture() {
 #[test]
 #[cfg_attr(not(has_cc), ignore = "no C compiler: install one or name it in CC")]
 fn the_front_door_in_c_sends_what_rusts_does() {
-    use splatline::{BoundedList, Camera, Gaussian, Micro16, Renderer};
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/display.c");
     let lines = std::fs::read_to_string(&source).unwrap().lines().count();
     assert!(lines <= 45, "the example of 40 lines has {lines}");

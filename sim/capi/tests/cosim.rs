@@ -22,6 +22,11 @@ fn run(command: &mut Command) -> String {
     text
 }
 
+/// Where our own headers lie, as options of a compiler.
+fn includes() -> [String; 3] {
+    ["include", "examples", "cosim"].map(|path| format!("-I{}", here(path).display()))
+}
+
 /// Where Verilator keeps its headers.
 fn verilator_include() -> PathBuf {
     let root = run(Command::new("verilator").args(["--getenv", "VERILATOR_ROOT"]));
@@ -47,17 +52,10 @@ fn objects(folder: &Path, sources: &[&str]) -> Vec<PathBuf> {
             .join(Path::new(source).file_stem().unwrap())
             .with_extension("o");
         run(Command::new("cc")
-            .args(["-std=c99", "-O1", "-Wall", "-Werror", "-c", "-I"])
-            .arg(here("include"))
-            .arg("-I")
-            .arg(here("examples"))
-            .arg("-I")
-            .arg(here("cosim"))
-            .arg("-I")
-            .arg(&svdpi)
-            .arg(here(source))
-            .arg("-o")
-            .arg(&object));
+            .args(["-std=c99", "-O1", "-Wall", "-Werror", "-c"])
+            .args(includes())
+            .arg(format!("-I{}", svdpi.display()))
+            .args([here(source), "-o".into(), object.clone()]));
         object
     };
     sources.iter().map(compile).collect()
@@ -65,13 +63,7 @@ fn objects(folder: &Path, sources: &[&str]) -> Vec<PathBuf> {
 
 /// Verilates the primitive of standard24 and `arguments` with the objects and the library, runs the result.
 fn verilated(folder: &Path, objects: &[PathBuf], arguments: &[&str], top: &str) -> String {
-    let include = |path: &str| format!("-I{}", here(path).display());
-    let flags = format!(
-        "-O1 {} {} {}",
-        include("include"),
-        include("examples"),
-        include("cosim")
-    );
+    let flags = format!("-O1 {}", includes().join(" "));
     run(Command::new("verilator")
         .args(["--build", "-O3", "--Mdir"])
         .arg(folder)

@@ -99,18 +99,9 @@ fn sizes_strides_and_choices_are_checked() {
     let mut words = [0u32; SPLATLINE_LONGEST_PACKET];
     let mut out = SplatlineFootprint::default();
     let mut draw = |painter: &SplatlinePainter, count: usize, stride: usize| {
+        let (at, coverage) = (pixels.as_mut_ptr(), null_mut());
         // SAFETY: `count` is at most the number of pixels.
-        unsafe {
-            splatline_draw(
-                painter,
-                &fp,
-                &WINDOW,
-                pixels.as_mut_ptr(),
-                count,
-                stride,
-                null_mut(),
-            )
-        }
+        unsafe { splatline_draw(painter, &fp, &WINDOW, at, count, stride, coverage) }
     };
     let good = painter(&table);
     assert_eq!(draw(&good, PIXELS, 16), SPLATLINE_OK);
@@ -129,43 +120,41 @@ fn sizes_strides_and_choices_are_checked() {
     assert_eq!(with(|p| p.widths.radial = 45), SPLATLINE_ERROR_WIDTHS);
     assert_eq!(with(|p| p.rules.table_range = 5), SPLATLINE_ERROR_VALUE);
     let wide = SplatlineWidths { radial: 45, ..w };
-    // SAFETY: every pointer leads to at least as much as is said.
-    unsafe {
-        assert_eq!(splatline_design(5, &mut widths()), SPLATLINE_ERROR_VALUE);
-        assert_eq!(splatline_design_check(&wide), SPLATLINE_ERROR_WIDTHS);
-        assert_eq!(
-            splatline_packet_encode(&w, SPANS, &fp, words.as_mut_ptr(), 3),
-            SPLATLINE_ERROR_SIZE
-        );
-        let mut needed = 0;
-        let status = splatline_packet_words(&w, 2, &mut needed);
-        assert_eq!(status, SPLATLINE_ERROR_VALUE);
-        let status = splatline_packet_words(&w, SPANS, &mut needed);
-        assert_eq!(status, SPLATLINE_OK);
-        words[0] = 15;
-        let decoded = splatline_packet_decode(&w, SPANS, words.as_ptr(), needed, &mut out);
-        assert_eq!(decoded, SPLATLINE_ERROR_PACKET_VERSION);
+    let (mut needed, mut run) = (0, SplatlineSpan::default());
+    words[0] = 15;
+    let at = words.as_mut_ptr();
+    // SAFETY: every pointer leads to at least as much as is said; zeros are rows that never were begun.
+    let codes = unsafe {
         let mut never_begun: SplatlineSpans = std::mem::zeroed();
-        let next = splatline_spans_next(&mut never_begun, &mut SplatlineSpan::default());
-        assert_eq!(next, SPLATLINE_ERROR_STATE);
-        let odd = words.as_mut_ptr().byte_add(1);
-        assert_eq!(
-            splatline_table_gaussian(&w, 2, odd, TABLE_COUNT),
-            SPLATLINE_ERROR_ALIGNMENT
-        );
-        let many = splatline_setup_many(
-            null(),
-            null(),
-            null(),
-            null(),
-            4,
-            null_mut(),
-            4,
-            null_mut(),
-            0,
-        );
-        assert_eq!(many, SPLATLINE_ERROR_STRIDE);
-    }
+        [
+            splatline_packet_words(&w, SPANS, &mut needed),
+            splatline_packet_words(&w, 2, &mut 0),
+            splatline_packet_encode(&w, SPANS, &fp, at, 3),
+            splatline_packet_decode(&w, SPANS, at, needed, &mut out),
+            splatline_design(5, &mut widths()),
+            splatline_design_check(&wide),
+            splatline_spans_next(&mut never_begun, &mut run),
+            splatline_table_gaussian(&w, 2, at.byte_add(1), TABLE_COUNT),
+        ]
+    };
+    let expected = [
+        SPLATLINE_OK,
+        SPLATLINE_ERROR_VALUE,
+        SPLATLINE_ERROR_SIZE,
+        SPLATLINE_ERROR_PACKET_VERSION,
+        SPLATLINE_ERROR_VALUE,
+        SPLATLINE_ERROR_WIDTHS,
+        SPLATLINE_ERROR_STATE,
+        SPLATLINE_ERROR_ALIGNMENT,
+    ];
+    assert_eq!(codes, expected);
+    let (splats, reasons) = (null(), null_mut());
+    // SAFETY: there are no splats.
+    let many = unsafe {
+        let (widths, view, rules) = (null(), null(), null());
+        splatline_setup_many(widths, view, rules, splats, 4, null_mut(), 4, reasons, 0)
+    };
+    assert_eq!(many, SPLATLINE_ERROR_STRIDE);
 }
 
 /// A list without a word for the viewport has no room, even for no splats: it cannot be drawn.
@@ -178,14 +167,8 @@ fn an_empty_scene_needs_a_word_as_well() {
     let mut set_up = |count| unsafe {
         let seen = splatline_look_at(eye, target, up, 40.0, 8, 8, view.as_mut_ptr());
         assert_eq!(seen, SPLATLINE_OK);
-        splatline_set_up_scene(
-            view.as_ptr(),
-            null(),
-            0,
-            list.as_mut_ptr(),
-            count,
-            &mut needed,
-        )
+        let (view, words) = (view.as_ptr(), list.as_mut_ptr());
+        splatline_set_up_scene(view, null(), 0, words, count, &mut needed)
     };
     assert_eq!(set_up(0), SPLATLINE_ERROR_SIZE);
     assert_eq!(set_up(1), 0);
@@ -197,16 +180,8 @@ fn an_empty_scene_needs_a_word_as_well() {
     let (mut pixels, mut sent) = ([SplatlinePixel::default(); 64], [0u16; 64]);
     // SAFETY: as above.
     let drawn = unsafe {
-        splatline_draw_rgb565(
-            list.as_mut_ptr(),
-            1,
-            0,
-            &window,
-            7,
-            pixels.as_mut_ptr(),
-            sent.as_mut_ptr(),
-            64,
-        )
+        let (words, to) = (list.as_mut_ptr(), sent.as_mut_ptr());
+        splatline_draw_rgb565(words, 1, 0, &window, 7, pixels.as_mut_ptr(), to, 64)
     };
     assert_eq!((drawn, sent), (SPLATLINE_OK, [7; 64]));
 }

@@ -17,7 +17,6 @@ mod space;
 use numpy::PyReadonlyArray3;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
-use splatline_sim::metrics;
 use splatline_sim::picture::{Backdrop, Depth, PictureFormat};
 use splatline_sim::report::ErrorFacts;
 use std::path::PathBuf;
@@ -39,9 +38,8 @@ fn metrics_of<'py>(
     reference: PyReadonlyArray3<f64>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let (picture, reference) = (convert::picture(&picture)?, convert::picture(&reference)?);
-    let errors = py.detach(|| metrics::compare_and_look(&picture, &reference));
-    let (errors, flip) = convert::raise(errors)?;
-    convert::record(py, &ErrorFacts::new(&errors, flip))
+    let errors = py.detach(|| ErrorFacts::between(&picture, &reference));
+    convert::record(py, &convert::raise(errors)?)
 }
 
 /// A picture file's bytes: `png`, `npy` or `exr`.

@@ -1,7 +1,7 @@
 //! Plans: everything that decides a picture, and what can be asked of it.
 
 use crate::camera::Camera;
-use crate::convert::{array, raise, read, record};
+use crate::convert::{array, raise, read, record, rows};
 use crate::design::{Design, Machine};
 use crate::scene::Scene;
 use anyhow::{Context, Result, ensure};
@@ -257,16 +257,16 @@ impl Plan {
             Engine::Fixed => prepared.fixed_footprints(&prepared.plan.entry),
             _ => prepared.float_footprints(),
         });
-        let row = |line: Option<FootprintLine>| {
+        let row = |line: Option<FootprintLine>| -> [f64; 12] {
             let Some(line) = line else {
-                return vec![f64::NAN; 12];
+                return [f64::NAN; 12];
             };
-            let bounds = line.bounds.map(|bound| bound as f64);
-            let last = [line.cutoff, line.opacity.unwrap_or(f64::NAN)];
-            [&line.centre[..], &[line.depth], &line.conic, &bounds, &last].concat()
+            let ([u, v], [a, b, c]) = (line.centre, line.conic);
+            let [x0, y0, x1, y1] = line.bounds.map(|bound| bound as f64);
+            let (cutoff, opacity) = (line.cutoff, line.opacity.unwrap_or(f64::NAN));
+            [u, v, line.depth, a, b, c, x0, y0, x1, y1, cutoff, opacity]
         };
-        let rows: Vec<Vec<f64>> = raise(found)?.into_iter().map(row).collect();
-        Ok(numpy::PyArray2::from_vec2(py, &rows)?)
+        rows(py, raise(found)?.into_iter().map(row).collect())
     }
 
     /// The record that `splatline simulate` writes: cycles and accounts, pace, area, energy.

@@ -161,17 +161,8 @@ impl Scene {
             let Some(contents) = contents else {
                 let loaded = recognise(&path, transfer.clone())?;
                 let contents = match &loaded.scene {
-                    AnyScene::Splats(_) => Contents::Splats {
-                        transfer,
-                        light: None,
-                        sh_degree: None,
-                    },
-                    AnyScene::Surface { .. } => Contents::Surface {
-                        texture: None,
-                        spacing: None,
-                        flatten: None,
-                        depth_image: None,
-                    },
+                    AnyScene::Splats(_) => Contents::splats(transfer),
+                    AnyScene::Surface { .. } => Contents::surface(),
                 };
                 return Ok((Source { path, contents }, loaded));
             };

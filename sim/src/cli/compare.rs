@@ -8,7 +8,7 @@ use super::resolve::{COMPARED, PlanRequest, room_for_picture};
 use super::say::{print_error, print_result, usage, warn};
 use super::summary::{if_layers_were_merged, if_nothing_is_seen, of_comparison};
 use crate::plan::measure::FILES;
-use crate::plan::{Engine, Plan, all_entries, compare_all};
+use crate::plan::{Engine, Prepared, all_entries, compare_all};
 use anyhow::Result;
 
 pub fn run(options: &CompareOptions) -> Result<()> {
@@ -26,8 +26,7 @@ pub fn run(options: &CompareOptions) -> Result<()> {
     let request = PlanRequest::drawing(&options.view, drawing).on(&options.machine);
     let mut prepared = request.prepare()?;
     outputs.spare_inputs()?;
-    prepared.plan = against_reference(prepared.plan)?;
-    room_for_picture(&prepared.plan.camera, COMPARED)?;
+    against_reference(&mut prepared)?;
     let others = if options.only || !prepared.has_traversals() {
         Vec::new()
     } else {
@@ -51,10 +50,11 @@ pub fn run(options: &CompareOptions) -> Result<()> {
     print_result(&of_comparison(report, &options.output))
 }
 
-/// The fixed picture is always drawn; the engine asked for can only say what it is compared with.
-pub fn against_reference(plan: Plan) -> Result<Plan> {
-    let engine = plan.reference.unwrap_or(plan.engine);
-    let reference = match engine {
+/// The fixed picture is always drawn; the engine asked for can only say what it is compared with. Refuses pictures that
+/// memory does not hold.
+pub fn against_reference(prepared: &mut Prepared) -> Result<()> {
+    let plan = &mut prepared.plan;
+    let reference = match plan.reference.unwrap_or(plan.engine) {
         Engine::Exact => Engine::Exact,
         Engine::Float | Engine::Fixed => Engine::Float,
         format => {
@@ -65,9 +65,6 @@ pub fn against_reference(plan: Plan) -> Result<Plan> {
             return Err(usage(message));
         }
     };
-    Ok(Plan {
-        engine: Engine::Fixed,
-        reference: Some(reference),
-        ..plan
-    })
+    (plan.engine, plan.reference) = (Engine::Fixed, Some(reference));
+    room_for_picture(&plan.camera, COMPARED)
 }

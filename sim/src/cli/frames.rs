@@ -4,7 +4,7 @@ use super::args::{CompareOptions, RenderOptions};
 use super::compare::against_reference;
 use super::output::{self, Outputs, create_folder, write, write_json, write_json_if};
 use super::render::{check_room, write_picture};
-use super::resolve::{COMPARED, NamedFrame, PlanRequest, PlannedFrame, room_for_picture};
+use super::resolve::{NamedFrame, PlanRequest, PlannedFrame};
 use super::say::{print_result, usage, warn};
 use crate::machine::summary::Spread;
 use crate::picture::EXTENSIONS;
@@ -96,8 +96,7 @@ pub fn compare(options: &CompareOptions, outputs: Outputs) -> Result<()> {
     for (number, frame) in (1..).zip(frames) {
         let NamedFrame { name, mut prepared } = frame.prepare();
         progress.doing(&name);
-        prepared.plan = against_reference(prepared.plan)?;
-        room_for_picture(&prepared.plan.camera, COMPARED)?;
+        against_reference(&mut prepared)?;
         let comparison = compare_all(&prepared, &drawing.effort(), &[])?;
         let folder = options.output.join(format!("frame-{number:04}"));
         create_folder(&folder)?;

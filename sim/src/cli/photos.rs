@@ -7,7 +7,7 @@
 use super::args::CompareOptions;
 use super::compare::against_reference;
 use super::output::{Outputs, create_folder, write, write_json, write_json_if};
-use super::resolve::{COMPARED, NamedFrame, PlanRequest, room_for_picture};
+use super::resolve::{NamedFrame, PlanRequest};
 use super::say::{print_error, print_result, usage, warn};
 use super::view_args::PathOptions;
 use crate::cameras;
@@ -210,8 +210,7 @@ fn with_photograph(
         let camera = camera.resized(size[0], size[1])?;
         prepared = prepared.seen_by(camera);
     }
-    prepared.plan = against_reference(prepared.plan)?;
-    room_for_picture(&prepared.plan.camera, COMPARED)?;
+    against_reference(&mut prepared)?;
     warn(&prepared.warnings);
     if let Some(folder) = &options.photographs.masks {
         let given = through_pinhole(load_photograph(&photograph_of(folder, &name)?)?);

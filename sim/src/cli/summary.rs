@@ -161,20 +161,14 @@ pub fn of_comparison(report: &Report, folder: &Path) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plan::Prepared;
+    use crate::report::tests::sample;
 
-    /// A report of a drawing of three splats, with so many of them culled.
+    /// A report of two equal pictures of three splats, with so many of them culled.
     fn report(culled: u64) -> Report {
-        let scene = crate::scene::synthetic::random_gaussians(3, 1, 1.0);
-        let camera = crate::scene::synthetic::camera(2, 1);
-        let rules = scene.natural_rules;
-        let design = crate::design::DesignChoice::named("lean18").unwrap();
-        let prepared = Prepared::of_splats(scene, camera, rules, design);
-        let effort = crate::plan::Effort::new(Some(1), 1);
-        let progress = crate::progress::ProgressMeter::new(1);
-        let (_, mut report) =
-            crate::plan::measure::draw_alone(&prepared, None, &effort, &progress).unwrap();
-        report.scene.culled = [("near".to_owned(), culled)].into_iter().collect();
+        let picture = Picture::new(2, 1);
+        let mut report = sample::report(&picture, &picture);
+        report.scene.splats = 3;
+        report.scene.culled = [("near".to_owned(), culled)].into();
         report
     }
 
@@ -215,10 +209,7 @@ mod tests {
 
     #[test]
     fn equal_pictures_have_no_decibels() {
-        let mut report = report(0);
-        let errors = crate::metrics::compare(&Picture::new(2, 1), &Picture::new(2, 1)).unwrap();
-        report.error = Some(crate::report::ErrorFacts::new(&errors, 0.0));
-        let text = of_comparison(&report, Path::new("."));
+        let text = of_comparison(&report(0), Path::new("."));
         assert!(
             text.contains("PSNR identical,") && !text.contains("identical dB"),
             "{text}"

@@ -70,15 +70,30 @@ pub struct SourceCamera(#[serde(with = "text::camera")] pub Camera);
 impl Default for Contents {
     /// Splats, a volume by its own transfer function.
     fn default() -> Contents {
-        Contents::Splats {
-            transfer: None,
-            light: None,
-            sh_degree: None,
-        }
+        Contents::splats(None)
     }
 }
 
 impl Contents {
+    /// Splats as they are, a volume by this transfer function.
+    pub fn splats(transfer: Option<PathBuf>) -> Contents {
+        Contents::Splats {
+            transfer,
+            light: None,
+            sh_degree: None,
+        }
+    }
+
+    /// Points of a surface as they are.
+    pub fn surface() -> Contents {
+        Contents::Surface {
+            texture: None,
+            spacing: None,
+            flatten: None,
+            depth_image: None,
+        }
+    }
+
     /// By what the axis along the normal is divided, where points become volume kernels.
     pub fn flattening(&self) -> Option<f64> {
         match self {
@@ -234,11 +249,7 @@ pub fn recognise(path: &Path, transfer: Option<PathBuf>) -> Result<LoadedScene> 
         let (field, name) = load_heights(path, None)?;
         return Ok(surface(field.scene(&name), true));
     }
-    let contents = Contents::Splats {
-        transfer,
-        light: None,
-        sh_degree: None,
-    };
+    let contents = Contents::splats(transfer);
     let path = path.to_owned();
     let source = Source { path, contents };
     match source.load(&|_| ()) {

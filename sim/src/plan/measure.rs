@@ -11,7 +11,6 @@ use crate::machine::Timing;
 use crate::machine::area::Family;
 use crate::machine::clock::{Clock, Throughput};
 use crate::machine::energy::{EnergyTable, of_pixel};
-use crate::metrics::compare_and_look;
 use crate::picture::{Backdrop, Depth, Picture};
 use crate::progress::ProgressMeter;
 use crate::report::error_map::ErrorMap;
@@ -181,13 +180,12 @@ fn judge(
 ) -> Result<(ErrorFacts, Option<Timing>)> {
     let (errors, timing) = on_threads(threads, || {
         rayon::join(
-            || compare_and_look(&drawing.picture, float),
+            || ErrorFacts::between(&drawing.picture, float),
             || prepared.cycles(entry, drawing),
         )
     })?;
-    let (errors, flip) =
-        errors.with_context(|| format!("design {} cannot be compared", entry.title()))?;
-    Ok((ErrorFacts::new(&errors, flip), timing?))
+    let errors = errors.with_context(|| format!("design {} cannot be compared", entry.title()))?;
+    Ok((errors, timing?))
 }
 
 /// Every named design by both traversals, and the chosen design by both if it is none of them.
@@ -291,14 +289,14 @@ impl Comparison {
     pub fn add_formats(&mut self, prepared: &Prepared) -> Result<()> {
         for engine in Engine::FORMATS {
             let picture = prepared.draw_reference(engine, &|_, _| ())?.picture;
-            let (errors, flip) = compare_and_look(&picture, &self.float)
+            let error = ErrorFacts::between(&picture, &self.float)
                 .with_context(|| format!("engine {} cannot be compared", engine.name()))?;
             let lane = engine.lane();
             let units = lane.map(|lane| lane.units(Family::default()));
             let widths = &prepared.plan.entry.design.widths;
             self.report.formats.push(FormatRow {
                 engine: engine.name().to_owned(),
-                error: ErrorFacts::new(&errors, flip),
+                error,
                 transistors: units.unwrap_or_default().transistors,
                 pj_per_pixel: of_pixel(lane.as_ref(), widths, &EnergyTable::default()),
             });

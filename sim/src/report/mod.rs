@@ -25,9 +25,11 @@ pub(crate) mod viewer;
 use crate::camera::CameraFile;
 use crate::design::ResolvedDesign;
 use crate::flip::PIXELS_PER_DEGREE;
+use crate::input::Refused;
 use crate::machine::clock::Throughput;
 use crate::machine::timing::Timing;
-use crate::metrics::{ChannelError, Errors};
+use crate::metrics::{ChannelError, compare_and_look};
+use crate::picture::Picture;
 use crate::rules::Rules;
 use crate::systems::SystemVerdict;
 use error_map::ErrorMap;
@@ -208,14 +210,15 @@ impl PixelCounts {
 }
 
 impl ErrorFacts {
-    /// From both measures of two pictures.
-    pub fn new(errors: &Errors, flip: f64) -> Self {
-        ErrorFacts {
+    /// Of a picture against its reference; fails if they are not of one size.
+    pub fn between(picture: &Picture, reference: &Picture) -> Result<ErrorFacts, Refused> {
+        let (errors, flip) = compare_and_look(picture, reference)?;
+        Ok(ErrorFacts {
             rgb: errors.colour,
             alpha: errors.alpha,
             flip,
             flip_pixels_per_degree: PIXELS_PER_DEGREE,
-        }
+        })
     }
 }
 
@@ -264,4 +267,4 @@ fn median(mut values: Vec<f64>) -> f64 {
 }
 
 #[cfg(test)]
-mod tests;
+pub mod tests;

@@ -26,20 +26,49 @@ fn help_and_version_succeed_on_stdout() {
 #[test]
 fn bad_usage_is_exit_code_2_on_stderr() {
     let shell = Shell::new();
-    for line in [
+    let mut lines: Vec<String> = [
         "rendr",
         "render",
         "render a.ply",
-        "render a.ply -o a.png --size 0x10",
-        "render a.ply -o a.png --size 20000x10",
-        "render a.ply -o a.png --camera c.json --eye 1,2,3 --target 0,0,0",
-        "render a.ply -o a.png --eye 1,2",
-        "footprints a.ply -o a.csv --engine exact",
+        "render a.ply -o a.png --edges",
+        "render a.ply -o a.png --alpha --background white",
         "compare a.ply -o a --design unheard-of",
         "page random:9 -o a.png",
         "page random:9 -o a.html --traversal stamp",
         "page random:9 -o a.html --size 4000x40",
-    ] {
+    ]
+    .map(str::to_owned)
+    .to_vec();
+    // Options, of which the last one does not take these values.
+    let values = "
+        --size: 0x5 5x0 16385x1 5 5x-1 x 1e3x2
+        --target 0,0,0 --eye: 1,2 1,2,3,4 1,nan,3 inf,0,0 a,b,c
+        --eye: 1,2,3
+        --target: 1,2,3
+        --orbit: 30 30,90
+        --zoom: 0
+        --eye 1,2,3 --target 0,0,0 --fov: 0 180
+        --camera c.json --target 0,0,0 --eye: 1,2,3
+        --camera c.json --fov: 40
+        --camera c.json --orbit: 30,0
+        --background: grey 1,1,2
+        --rules: gl
+        --engine: gpu
+        --design: fancy
+        --depth: 12
+        --threads: 0 -1 99999
+        --repeat: 0
+        --traversal: zigzag
+        --compositing: sideways
+        --layers: 2
+        --as surface --layers: 5
+        --as surface --z-threshold: 0";
+    for row in values.trim().lines() {
+        let (options, values) = row.trim().split_once(": ").unwrap();
+        let line = |value| format!("render a.ply -o a.png {options} {value}");
+        lines.extend(values.split(' ').map(line));
+    }
+    for line in &lines {
         let said = shell.run(line);
         assert_eq!(said.code, Some(2), "{line}: {}", said.stderr);
         assert!(
@@ -343,8 +372,8 @@ fn a_files_order_is_honoured_or_refused() {
     }
     let [depth, distance] = ["depth", "distance"].map(|order| depths(order, "float"));
     assert!(depth.iter().zip(&distance).all(|(near, far)| far > near));
-    let swan = "render distance.glb --rules ewa --antialias swan --points auto -o x.png";
-    shell.refused(1, swan, "spheres go by the depth");
-    let vectors = "vectors export --scene distance.glb v";
-    shell.refused(2, vectors, "a setup unit whose key is the depth");
+    shell.refuses(
+        "1 render distance.glb --rules ewa --antialias swan --points auto -o x.png => spheres go by the depth
+         2 vectors export --scene distance.glb v => a setup unit whose key is the depth",
+    );
 }

@@ -1,13 +1,10 @@
 //! Documents that state facts of the code are held against it.
 
-use splatline_sim::camera::Camera;
+use super::hostile::readers::FORMATS;
+use super::shell::{Shell, files_below, holds};
 use splatline_sim::design::DesignChoice;
 use splatline_sim::explore::space::Space;
 use splatline_sim::machine::config::{self, SETTINGS};
-use splatline_sim::machine::energy::EnergyTable;
-use splatline_sim::machine::parts::Parts;
-use splatline_sim::plan;
-use splatline_sim::scene::Transfer;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
@@ -70,69 +67,39 @@ fn rows_of(section: &str) -> Vec<[BTreeSet<&'static str>; 2]> {
     .collect()
 }
 
-/// What each reader says of a file with this text.
-fn refusal(section: &str, text: &str) -> String {
-    match section {
-        "Camera (" => Camera::from_json_str(text).unwrap_err().to_string(),
-        "Transfer" => Transfer::from_toml(text).unwrap_err().to_string(),
-        "Design" => {
-            let read = DesignChoice::from_toml("d.toml", text);
-            read.unwrap_err().to_string()
-        }
-        "Energies" => EnergyTable::from_toml("e.toml", text).unwrap_err(),
-        "Parts" => match Parts::default().and("p.toml", text) {
-            Err(printed) => printed,
-            Ok(_) => panic!("{text} was read"),
-        },
-        "Camera path" => {
-            let folder = tempfile::tempdir().unwrap();
-            let file = folder.path().join("path.toml");
-            std::fs::write(&file, text).unwrap();
-            match plan::path::load(&file, None) {
-                Err(printed) => format!("{printed:#}"),
-                Ok(_) => panic!("{text} was read"),
-            }
-        }
-        other => panic!("no reader of {other}"),
-    }
+/// What the reader of this file says of a text.
+fn refusal(name: &str, text: &str) -> String {
+    let shell = Shell::new();
+    shell.write(name, text);
+    let (_, read) = FORMATS.iter().find(|(file, _)| *file == name).expect(name);
+    read(&shell.path(name)).expect_err(text)
 }
 
 /// An unknown key is answered by the keys there are, table by table; docs/files.md has them all and no others.
 #[test]
 fn unknown_keys_are_answered_by_those_of_the_page() {
-    for (section, texts) in [
-        ("Camera (", &["{\"hue\": 1}"][..]),
+    for (section, file, texts) in [
+        ("Camera (", "camera.json", "{\"hue\": 1}"),
         (
             "Transfer",
-            &[
-                "hue = 1",
-                "[[value]]\nhue = 1",
-                "[[gradient]]\nhue = 1",
-                "[shading]\nhue = 1",
-            ],
+            "transfer.toml",
+            "hue = 1|[[value]]\nhue = 1|[[gradient]]\nhue = 1|[shading]\nhue = 1",
         ),
-        ("Design", &["hue = 1"]),
+        ("Design", "design.toml", "hue = 1"),
         (
             "Energies",
-            &[
-                "hue = 1",
-                "[[adder]]\nhue = 1",
-                "[[memory]]\nhue = 1",
-                "[dram]\nhue = 1",
-            ],
+            "45nm.toml",
+            "hue = 1|[[adder]]\nhue = 1|[[memory]]\nhue = 1|[dram]\nhue = 1",
         ),
-        ("Parts", &["[mine]\nhue = 1"]),
-        ("Camera path", &["hue = 1", "[[key]]\nhue = 1"]),
+        ("Parts", "parts.toml", "[mine]\nhue = 1"),
+        ("Camera path", "path.toml", "hue = 1|[[key]]\nhue = 1"),
     ] {
         let rows = rows_of(section);
         let all: BTreeSet<&str> = rows.iter().flat_map(|[_, words]| words.clone()).collect();
         let mut known = BTreeSet::new();
-        for text in texts {
-            let printed = refusal(section, text);
-            assert!(
-                printed.contains("unknown field `hue`"),
-                "{section}: {printed}"
-            );
+        for text in texts.split('|') {
+            let printed = refusal(file, text);
+            holds(&printed, &["unknown field `hue`"]);
             known.extend(
                 marked(&printed)
                     .filter(|word| *word != "hue")
@@ -181,18 +148,9 @@ fn root() -> PathBuf {
 
 /// All pages: the README and what lies below docs.
 fn pages() -> Vec<PathBuf> {
-    let mut pages = vec![root().join("README.md")];
-    let mut folders = vec![root().join("docs")];
-    while let Some(folder) = folders.pop() {
-        for entry in std::fs::read_dir(folder).unwrap() {
-            let path = entry.unwrap().path();
-            if path.is_dir() {
-                folders.push(path);
-            } else if path.extension().is_some_and(|extension| extension == "md") {
-                pages.push(path);
-            }
-        }
-    }
+    let mut pages = files_below(&root().join("docs"));
+    pages.retain(|page| page.extension().is_some_and(|extension| extension == "md"));
+    pages.push(root().join("README.md"));
     pages
 }
 

@@ -15,6 +15,10 @@ use splatline_sim::rules::{Compositing, Rules};
 use splatline_sim::scene::{self, LoadOptions, Scene, SortOrder, Splat, synthetic};
 use std::path::Path;
 
+fn first_difference<T: PartialEq>(first: &[T], second: &[T]) -> Option<usize> {
+    first.iter().zip(second).position(|(a, b)| a != b)
+}
+
 /// Draws the scene by every engine, in every design, under these rules.
 fn agree(name: &str, scene: &Scene, camera: &Camera, rules: &[Rules]) {
     for rules in rules.iter().copied() {
@@ -31,17 +35,10 @@ fn agree(name: &str, scene: &Scene, camera: &Camera, rules: &[Rules]) {
                 let engine = PaintEngine::Vectors(choice);
                 let (fast, fast_setup) = draw_quantised(&quantised, &options, engine);
                 let what = format!("{name}, {}, {}, {choice:?}", rules.name, design.name);
-                let differ = fast_setup
-                    .iter()
-                    .zip(&scalar_setup)
-                    .position(|(a, b)| a != b);
-                assert_eq!(differ, None, "{what}: first splat that differs");
-                let differ = fast
-                    .pixels
-                    .iter()
-                    .zip(&scalar.pixels)
-                    .position(|(a, b)| a != b);
-                assert_eq!(differ, None, "{what}: first pixel that differs");
+                let splat = first_difference(&fast_setup, &scalar_setup);
+                assert_eq!(splat, None, "{what}: first splat that differs");
+                let pixel = first_difference(&fast.pixels, &scalar.pixels);
+                assert_eq!(pixel, None, "{what}: first pixel that differs");
                 assert_eq!(fast.facts.coverage, scalar.facts.coverage, "{what}");
                 let uncounted = uncounted(scene, camera, &rules, &design, choice);
                 assert!(uncounted == scalar.pixels, "{what}, without counts");
@@ -95,22 +92,13 @@ fn the_front_door_draws_what_the_host_draws() {
         }
         assert!(joined == host.pixels, "{what}, in strips");
         // What a PNG of 8 bits holds is what the front door reads.
-        let bytes = host
-            .picture
-            .pixels
-            .iter()
-            .flat_map(|[r, g, b, _]| [*r, *g, *b]);
-        let bytes: Vec<u8> = bytes
-            .map(|c| (c.clamp(0.0, 1.0) * 255.0).round() as u8)
-            .collect();
-        let read: Vec<u8> = splatline::Frame {
+        let colours = host.picture.pixels.iter().flat_map(|pixel| &pixel[..3]);
+        let bytes = colours.map(|c| (c.clamp(0.0, 1.0) * 255.0).round() as u8);
+        let joined = splatline::Frame {
             pixels: &joined,
             ..frame
-        }
-        .rgb8([0; 3])
-        .flatten()
-        .collect();
-        assert!(read == bytes, "{what}, in 8 bits");
+        };
+        assert!(joined.rgb8([0; 3]).flatten().eq(bytes), "{what}, in 8 bits");
     }
 }
 
@@ -140,31 +128,17 @@ const BOTH: [Rules; 2] = [Rules::GAUSSIAN_3D, Rules::EWA];
 fn random_scenes() {
     // Neither side is a multiple of a tile.
     let camera = synthetic::camera(203, 149);
-    agree(
-        "small splats",
-        &synthetic::random_gaussians(3_000, 1, 1.0),
-        &camera,
-        &BOTH,
-    );
-    agree(
-        "large splats",
-        &synthetic::random_gaussians(2_000, 2, 8.0),
-        &camera,
-        &BOTH,
-    );
+    let small = synthetic::random_gaussians(3_000, 1, 1.0);
+    agree("small splats", &small, &camera, &BOTH);
+    let large = synthetic::random_gaussians(2_000, 2, 8.0);
+    agree("large splats", &large, &camera, &BOTH);
 }
 
 /// Splats larger than the picture, and the camera among them.
 #[test]
 fn from_within() {
-    let camera = Camera::look_at(
-        [0.0, 0.1, -0.3],
-        [0.3, 0.0, 1.0],
-        [0.0, -1.0, 0.0],
-        90.0,
-        131,
-        97,
-    );
+    let (eye, target) = ([0.0, 0.1, -0.3], [0.3, 0.0, 1.0]);
+    let camera = Camera::look_at(eye, target, [0.0, -1.0, 0.0], 90.0, 131, 97);
     let scene = synthetic::random_gaussians(600, 3, 40.0);
     agree("from within", &scene, &camera.unwrap(), &BOTH);
 }

@@ -2,6 +2,7 @@
 //! `cargo test -p splatline-sim --test all hostile` runs one module of them.
 
 mod command_line;
+mod commands;
 mod documents;
 mod fast;
 mod golden;

@@ -35,20 +35,15 @@ fn absurd_coordinates_are_refused() {
 #[test]
 fn what_does_not_fit_into_memory_is_refused() {
     let shell = Shell::new();
-    let many = "vectors export --splats 4294967295 v";
-    shell.refused(1, many, "MB of memory");
-    let large = "vectors export --splats 100000 --size 16384x16384 v";
-    shell.refused(1, large, "MB of memory");
-    let scene = "info random:10000000 --memory 500";
-    shell.refused(1, scene, "10000000 splats of degree 0 would take");
-    shell.refused(1, scene, "MB of memory, of the 500 MB granted ");
-    let units = "--set raster_units=1024 --set row_fifo=65536";
     let lanes = "--set lanes=64 --set layout=rows";
-    shell.refused(
-        2,
-        &format!("simulate random:9 {units} {lanes}"),
-        "raster_units = 1024: with these lanes and FIFOs the simulator would take",
-    );
+    shell.refuses(&format!(
+        "1 vectors export --splats 4294967295 v => MB of memory
+         1 vectors export --splats 100000 --size 16384x16384 v => MB of memory
+         1 info random:10000000 --memory 500 => 10000000 splats of degree 0 would take
+         1 info random:10000000 --memory 500 => MB of memory, of the 500 MB granted
+         2 simulate random:9 --set raster_units=1024 --set row_fifo=65536 {lanes} \
+           => raster_units = 1024: with these lanes and FIFOs the simulator would take"
+    ));
     for line in [
         "render random:9 --size 16384x16384 -o a.png",
         "compare random:9 --size 8192x8192 -o v",

@@ -1,7 +1,8 @@
 //! The program from outside: a folder of its own, in which it is called by lines as a shell has them.
 
 use serde_json::Value;
-use std::path::PathBuf;
+use splatline_sim::report::Report;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// What `SCENE` stands for in a line.
@@ -45,6 +46,10 @@ impl Shell {
         serde_json::from_slice(&self.bytes(name)).unwrap()
     }
 
+    pub fn report(&self, name: &str) -> Report {
+        serde_json::from_slice(&self.bytes(name)).unwrap()
+    }
+
     pub fn has(&self, name: &str) -> bool {
         self.path(name).is_file()
     }
@@ -83,6 +88,16 @@ impl Shell {
         assert!(stderr.contains(expected), "{line}: {stderr}");
         stderr
     }
+
+    /// The same of every line of a table, `CODE LINE => WORDS`.
+    pub fn refuses(&self, table: &str) {
+        let cases = table.lines().filter(|case| !case.trim().is_empty());
+        for case in cases {
+            let (call, expected) = case.split_once("=>").expect(case);
+            let (code, line) = call.trim().split_once(' ').expect(case);
+            self.refused(code.parse().expect(case), line, expected.trim());
+        }
+    }
 }
 
 /// Runs a command.
@@ -93,6 +108,21 @@ pub fn said(mut command: Command) -> Said {
         stdout: output.stdout,
         stderr: String::from_utf8_lossy(&output.stderr).into_owned(),
     }
+}
+
+/// All files of a folder and of those in it.
+pub fn files_below(folder: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).unwrap();
+    let paths = entries.map(|entry| entry.unwrap().path());
+    paths
+        .flat_map(|path| {
+            if path.is_dir() {
+                files_below(&path)
+            } else {
+                vec![path]
+            }
+        })
+        .collect()
 }
 
 /// Does a text hold all of this?

@@ -1,6 +1,7 @@
 //! Vectors: a round trip, the first difference in words, and agreement of the stepped picture with the kernel's
 //! painter.
 
+use super::shell::holds;
 use splatline::blend::Pixel;
 use splatline::draw::Painter;
 use splatline::format::{Classic8, Deep32, Design, Lean18, Micro16, Standard24, Traversal};
@@ -12,21 +13,14 @@ use splatline_sim::fixed::{kernel_compositing, kernel_rules, table, table_entrie
 use splatline_sim::rules::{Compositing, Rules};
 use splatline_sim::vectors::{VectorSubject, compute, export, hard_cases, verify};
 use std::fs;
-use std::path::Path;
 
-fn subject(
-    design: &str,
-    traversal: Traversal,
-    rules: Rules,
-    compositing: Compositing,
-) -> VectorSubject {
-    let mut design = DesignChoice::named(design).unwrap();
-    design.traversal = traversal;
-    let (view, splats) = hard_cases(72, [80, 40], 3);
+/// Hard cases by a design under the rules of 3D Gaussians.
+pub fn subject(design: &str, cases: usize, size: [u16; 2], seed: u32) -> VectorSubject {
+    let (view, splats) = hard_cases(cases, size, seed);
     VectorSubject {
-        design,
-        rules,
-        compositing,
+        design: DesignChoice::named(design).unwrap(),
+        rules: Rules::GAUSSIAN_3D,
+        compositing: Compositing::FrontToBack,
         view,
         splats,
         systems: false,
@@ -34,12 +28,7 @@ fn subject(
 }
 
 fn small() -> VectorSubject {
-    subject(
-        "lean18",
-        Traversal::Spans,
-        Rules::GAUSSIAN_3D,
-        Compositing::FrontToBack,
-    )
+    subject("lean18", 72, [80, 40], 3)
 }
 
 /// The picture by the painter, whole footprints at a time, by a type of constant widths.
@@ -85,7 +74,9 @@ fn the_stepped_picture_is_the_painted_one() {
                     Compositing::BackToFront,
                     Compositing::XRay,
                 ] {
-                    let subject = subject(design, traversal, rules, compositing);
+                    let mut subject = subject(design, 72, [80, 40], 3);
+                    subject.design.traversal = traversal;
+                    (subject.rules, subject.compositing) = (rules, compositing);
                     let stages = compute(&subject);
                     let tile = stages.iter().find(|stage| stage.name == "tile").unwrap();
                     let painted = match design {
@@ -155,18 +146,15 @@ fn a_design_from_a_file_verifies() {
     verify(folder.path()).unwrap();
 }
 
-/// Replaces the first record (the line after the heading) by what `change` makes of it.
-fn change_record(file: &Path, line: usize, change: impl Fn(&str) -> String) {
-    let text = fs::read_to_string(file).unwrap();
-    let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
-    lines[line] = change(&lines[line]);
-    fs::write(file, lines.join("\n")).unwrap();
-}
-
+/// What verifying says after a line of a file has become what `change` makes of it.
 fn message_after(file: &str, line: usize, change: impl Fn(&str) -> String) -> String {
     let folder = tempfile::tempdir().unwrap();
     export(folder.path(), &small()).unwrap();
-    change_record(&folder.path().join(file), line, change);
+    let file = folder.path().join(file);
+    let text = fs::read_to_string(&file).unwrap();
+    let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+    lines[line] = change(&lines[line]);
+    fs::write(&file, lines.join("\n")).unwrap();
     let message = verify(folder.path()).unwrap_err().to_string();
     message.replace(&folder.path().display().to_string(), "DIR")
 }
@@ -178,37 +166,34 @@ fn the_first_difference_is_named_in_words() {
         let digit = u32::from_str_radix(last, 16).unwrap() ^ 1;
         format!("{rest}{digit:x}")
     };
-    let message = message_after("tile.hex", 100, flip_last);
-    assert!(
-        message.starts_with("DIR/tile.hex: stage tile, record 99, field red: expected "),
-        "{message}"
-    );
-    let message = message_after("runs.hex", 1, flip_last);
-    assert!(
-        message.contains("stage runs, record 0 (splat "),
-        "{message}"
-    );
-    assert!(
-        message.ends_with("), field packet: expected 0 (0x0), got 1 (0x1)"),
-        "{message}"
-    );
-    let message = message_after("splats.hex", 1, flip_last);
-    assert!(
-        message.contains("these are not the splats of these vectors"),
-        "{message}"
-    );
-    let message = message_after("pixels.hex", 3, |_| "0xq".to_owned());
-    assert!(
-        message.starts_with("DIR/pixels.hex: line 4: 'q' is not a hexadecimal digit"),
-        "{message}"
-    );
-    let message = message_after("pixels.hex", 1, |_| String::new());
-    assert!(message.contains("stage pixels, record 0"), "{message}");
-    let message = message_after("manifest.json", 1, |_| "\"format_version\": 9,".to_owned());
-    assert!(
-        message.contains("format_version is 9, expected 6"),
-        "{message}"
-    );
+    let told = |message: String, expected: &[&str]| {
+        // In front of the first and behind the last there is nothing.
+        holds(&format!("^{message}$"), expected);
+    };
+    let tile = "^DIR/tile.hex: stage tile, record 99, field red: expected ";
+    told(message_after("tile.hex", 100, flip_last), &[tile]);
+    let packet = "), field packet: expected 0 (0x0), got 1 (0x1)$";
+    let runs = ["stage runs, record 0 (splat ", packet];
+    told(message_after("runs.hex", 1, flip_last), &runs);
+    let splats = "these are not the splats of these vectors";
+    told(message_after("splats.hex", 1, flip_last), &[splats]);
+    for (file, line, text, expected) in [
+        (
+            "pixels.hex",
+            3,
+            "0xq",
+            "^DIR/pixels.hex: line 4: 'q' is not a hexadecimal digit",
+        ),
+        ("pixels.hex", 1, "", "stage pixels, record 0"),
+        (
+            "manifest.json",
+            1,
+            "\"format_version\": 9,",
+            "format_version is 9, expected 6",
+        ),
+    ] {
+        told(message_after(file, line, |_| text.to_owned()), &[expected]);
+    }
 }
 
 #[test]

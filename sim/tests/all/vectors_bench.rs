@@ -1,10 +1,9 @@
 //! The vector bench of the co-simulation guide: a simulator reads exported runs, and what its lane computes is compared
 //! with the kernel. Without Icarus Verilog it is ignored.
 
+use super::vectors::subject;
 use splatline::format::Traversal;
-use splatline_sim::design::DesignChoice;
-use splatline_sim::rules::{Compositing, Rules};
-use splatline_sim::vectors::{VectorSubject, compute, export, hard_cases};
+use splatline_sim::vectors::{VectorSubject, compute, export};
 use std::path::Path;
 use std::process::Command;
 
@@ -14,15 +13,7 @@ use std::process::Command;
     ignore = "Icarus Verilog is missing: apt-get install iverilog"
 )]
 fn a_simulator_steps_exported_runs_to_the_same_radial_indices() {
-    let (view, splats) = hard_cases(72, [80, 40], 5);
-    let subject = VectorSubject {
-        design: DesignChoice::named("standard24").unwrap(),
-        rules: Rules::GAUSSIAN_3D,
-        compositing: Compositing::FrontToBack,
-        view,
-        splats,
-        systems: false,
-    };
+    let subject = subject("standard24", 72, [80, 40], 5);
     assert_eq!(subject.design.traversal, Traversal::Spans);
     let folder = tempfile::tempdir().unwrap();
     let manifest = export(folder.path(), &subject).unwrap();
@@ -33,32 +24,17 @@ fn a_simulator_steps_exported_runs_to_the_same_radial_indices() {
         .unwrap();
 
     let sources = Path::new(env!("CARGO_MANIFEST_DIR")).join("capi/cosim");
-    let compiled = Command::new("iverilog")
-        .current_dir(folder.path())
+    let run = |command: &mut Command| {
+        command.current_dir(folder.path());
+        let output = command.output().unwrap();
+        assert!(output.status.success(), "{command:?}: {output:?}");
+    };
+    run(Command::new("iverilog")
         .args(["-g2012", "-s", "vectors_bench", "-o", "bench"])
         .arg(format!("-Pvectors_bench.COUNT={}", runs.records))
         .arg(format!("-Pvectors_bench.RECORD={}", runs.bits))
-        .args([
-            sources.join("vectors_bench.sv"),
-            sources.join("run_lane.sv"),
-        ])
-        .output()
-        .unwrap();
-    assert!(
-        compiled.status.success(),
-        "{}",
-        String::from_utf8_lossy(&compiled.stderr)
-    );
-    let ran = Command::new("vvp")
-        .current_dir(folder.path())
-        .arg("bench")
-        .output()
-        .unwrap();
-    assert!(
-        ran.status.success(),
-        "{}",
-        String::from_utf8_lossy(&ran.stdout)
-    );
+        .args(["vectors_bench.sv", "run_lane.sv"].map(|file| sources.join(file))));
+    run(Command::new("vvp").arg("bench"));
 
     let got = std::fs::read_to_string(folder.path().join("radials.hex")).unwrap();
     assert_eq!(got, expected(&subject));

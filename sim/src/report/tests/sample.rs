@@ -1,12 +1,11 @@
 //! Synthetic pictures and a synthetic report with plausible figures, for tests and for looking at the page.
 
 use super::*;
-use crate::camera::Camera;
 use crate::design::DesignChoice;
-use crate::metrics::{CoveredError, Percentiles, SampleAt, compare_and_look};
+use crate::metrics::{CoveredError, Percentiles, SampleAt};
 use crate::picture::Picture;
 use crate::rules::{Compositing, Rules};
-use crate::scene::SortOrder;
+use crate::scene::{SortOrder, synthetic};
 
 /// A soft ball and the same ball with rounding and truncation errors.
 pub fn pictures(width: usize, height: usize) -> (Picture, Picture) {
@@ -36,11 +35,10 @@ pub fn times(total_s: f64) -> HostTimes {
         setup_s: total_s * 0.2,
         sort_s: total_s * 0.05,
         raster_s: total_s * 0.75,
-        convert_s: 0.0,
-        prepare_s: 0.0,
         total_s,
         repeat: 5,
         threads: 2,
+        ..HostTimes::default()
     }
 }
 
@@ -101,19 +99,7 @@ pub fn rows() -> Vec<ReportRow> {
 
 /// A report about [`pictures`].
 pub fn report(fixed: &Picture, float: &Picture) -> Report {
-    let camera = Camera {
-        width: float.width,
-        height: float.height,
-        fx: 500.0,
-        fy: 500.0,
-        cx: float.width as f64 / 2.0,
-        cy: float.height as f64 / 2.0,
-        rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-        translation: [0.1, -0.2, 300.0],
-        near: 0.01,
-        far: f64::INFINITY,
-        orthographic: false,
-    };
+    let camera = synthetic::camera(float.width, float.height);
     Report {
         format: FORMAT.to_owned(),
         engine: "fixed".to_owned(),
@@ -137,9 +123,7 @@ pub fn report(fixed: &Picture, float: &Picture) -> Report {
         camera: (&camera).into(),
         rules: Rules::GAUSSIAN_3D,
         compositing: Compositing::FrontToBack.name().to_owned(),
-        error: compare_and_look(fixed, float)
-            .ok()
-            .map(|(errors, flip)| ErrorFacts::new(&errors, flip)),
+        error: ErrorFacts::between(fixed, float).ok(),
         error_map: Some(ScaleFacts::from(&ErrorMap::new(fixed, float))),
         cycles: None,
         pace: None,

@@ -89,7 +89,7 @@ pub const FORMATS: &[(&str, Reader)] = &[
 const SIDE: usize = 16;
 
 fn printed(error: impl std::fmt::Display) -> String {
-    error.to_string()
+    format!("{error:#}")
 }
 
 fn text(path: &Path) -> Result<String, String> {

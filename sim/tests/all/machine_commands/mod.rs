@@ -124,9 +124,10 @@ fn floating_point_datapaths_are_engines() {
     assert!(psnr.is_sorted_by(|wide, narrow| wide > narrow), "{psnr:?}");
     let page = shell.read("out/report.html");
     assert!(printed.contains("bfloat16") && page.contains("Floating-point datapaths"));
-    let x_ray = "render SCENE --engine fp16 --compositing x-ray -o x.png";
-    shell.refused(1, x_ray, "front to back");
-    shell.refused(2, "compare SCENE --engine fp16 -o out", "--formats");
+    shell.refuses(
+        "1 render SCENE --engine fp16 --compositing x-ray -o x.png => front to back
+         2 compare SCENE --engine fp16 -o out => --formats",
+    );
 }
 
 /// Beside what is fitted and beside the cheapest machine; a format whose error is too large holds nothing.
@@ -169,10 +170,11 @@ fn formats_stand_beside_fixed_designs() {
     assert!(of(2, "luts_in_all") > of(0, "luts_in_all"));
     assert!(of(1, "mj_per_frame") > of(2, "mj_per_frame"));
     let page = shell.read("out/answer.html");
-    assert!(
-        page.contains("In floating-point formats")
-            && page.contains("error and transistors of a lane")
-    );
+    let told = [
+        "In floating-point formats",
+        "error and transistors of a lane",
+    ];
+    holds(&page, &told);
     shell.refused(2, "fit SCENE --psnr 40 --formats fp12", "fp12");
 }
 
@@ -232,12 +234,10 @@ fn needs_fit_and_trace_answer() {
     let fit = shell.results("fit SCENE --max-error 0.02 -o d.toml");
     assert!(fit.contains("binding width"));
     shell.results("render SCENE --design d.toml -o x.png");
-    shell.refused(
-        1,
-        "fit SCENE --max-error 1e-12",
-        "above --max-error 1.000e-12",
+    shell.refuses(
+        "1 fit SCENE --max-error 1e-12 => above --max-error 1.000e-12
+         1 fit SCENE --psnr 500 => below --psnr 500.00",
     );
-    shell.refused(1, "fit SCENE --psnr 500", "below --psnr 500.00");
     for format in ["kanata", "vcd", "perfetto"] {
         let printed = shell.results(&format!(
             "trace SCENE --format {format} --last 20 -o {format}"
@@ -251,20 +251,10 @@ fn needs_fit_and_trace_answer() {
 fn bad_machines_name_key_line_and_range() {
     let shell = Shell::new();
     shell.write("m.toml", "[lanes]\nlanes = 5\n");
-    for (code, line, expected) in [
-        (
-            1,
-            "model SCENE --machine m.toml",
-            "m.toml:2: lanes.lanes = 5: allowed are 1, 2, 4",
-        ),
-        (2, "model SCENE --set lanes=5", "lanes = 5: allowed are"),
-        (2, "model SCENE --set lane=4", "did you mean lanes"),
-        (
-            2,
-            "trace SCENE --format vcd --first 9 --last 3 -o x",
-            "smaller",
-        ),
-    ] {
-        shell.refused(code, line, expected);
-    }
+    shell.refuses(
+        "1 model SCENE --machine m.toml => m.toml:2: lanes.lanes = 5: allowed are 1, 2, 4
+         2 model SCENE --set lanes=5 => lanes = 5: allowed are
+         2 model SCENE --set lane=4 => did you mean lanes
+         2 trace SCENE --format vcd --first 9 --last 3 -o x => smaller",
+    );
 }

@@ -194,6 +194,30 @@ impl Browser {
         text.with_context(|| format!("{expression} is {value} and no text"))
     }
 
+    /// The text of the first element that a selector finds.
+    pub fn said(&mut self, selector: &str) -> Result<String> {
+        self.text(&format!("document.querySelector({selector:?}).textContent"))
+    }
+
+    /// How many elements a selector finds.
+    pub fn count(&mut self, selector: &str) -> Result<f64> {
+        self.number(&format!("document.querySelectorAll({selector:?}).length"))
+    }
+
+    /// Clicks on the first element that a selector finds.
+    pub fn click(&mut self, selector: &str) -> Result<Value> {
+        self.evaluate(&format!("document.querySelector({selector:?}).click()"))
+    }
+
+    /// Gives the first element that a selector finds a value, an expression in which it is called `e`, and tells its
+    /// listeners by an event.
+    pub fn choose(&mut self, selector: &str, value: &str, event: &str) -> Result<Value> {
+        self.evaluate(&format!(
+            "(() => {{ const e = document.querySelector({selector:?}); e.value = {value}; \
+             e.dispatchEvent(new Event('{event}')); }})()"
+        ))
+    }
+
     /// The mouse at a place in CSS pixels; `kind` is mouseMoved, mousePressed or mouseReleased.
     pub fn mouse(&mut self, kind: &str, [x, y]: [f64; 2], pressed: bool) -> Result<()> {
         let (button, buttons) = if pressed { ("left", 1) } else { ("none", 0) };
