@@ -148,7 +148,6 @@ fn a_sweep_of_anything_else_is_not_resumed() {
     refused("program.sources_sha256", "");
 }
 
-/// What the readers of tables refuse (`explore::table`) stops a sweep that was there.
 #[test]
 fn an_altered_sweep_is_not_resumed() {
     let shell = Shell::new();
@@ -156,9 +155,19 @@ fn an_altered_sweep_is_not_resumed() {
     let sweep = "explore SCENE --space s.toml -o out";
     shell.results(sweep);
     let sound = shell.read("out/points.csv");
-    shell.write("out/points.csv", sound.replacen("\n2,3,", "\n2,4,", 1));
-    let printed = shell.refused(1, sweep, "points.csv");
-    holds(&printed, &["row_fifo is '4', in the space it is '3'"]);
+    let altered = |from: &str, to: &str, expected: &str| {
+        shell.write("out/points.csv", sound.replacen(from, to, 1));
+        let printed = shell.refused(1, sweep, "points.csv");
+        holds(&printed, &[expected]);
+    };
+    altered(
+        "\n2,3,",
+        "\n2,4,",
+        "row_fifo is '4', in the space it is '3'",
+    );
+    altered("\n2,3,", "\n2,3,NaN", "psnr_db is 'NaN");
+    let row = sound.lines().nth(1).unwrap();
+    altered(row, &format!("{row}\n{row}"), "a second time");
 }
 
 /// A scene that nobody sees is swept, and its rows are read again.
