@@ -160,6 +160,7 @@ fn share(some: f64, of: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::tests::with_line;
 
     #[test]
     fn shipped_parts_read_and_name_their_sources() {
@@ -191,23 +192,8 @@ mod tests {
         assert_eq!(parts.find("mine").unwrap().dsps, 90);
         let first = mine.find("luts = 20800").unwrap();
         let line = mine[..first].lines().count() + 1;
-        let zero = mine.replacen("luts = 20800", "luts = 0", 1);
-        assert_eq!(
-            Parts::default().and("mine.toml", &zero).unwrap_err(),
-            format!("mine.toml:{line}: mine.luts = 0: allowed are 1 to 100000000")
-        );
-        let refused = |line: usize, key: &str, value: &str| {
-            let lines = mine.lines().enumerate();
-            let changed = lines.map(|(index, text)| {
-                if index + 1 == line {
-                    format!("{key} = {value}\n")
-                } else {
-                    format!("{text}\n")
-                }
-            });
-            let printed = Parts::default().and("mine.toml", &changed.collect::<String>());
-            printed.unwrap_err()
-        };
+        let place = format!("mine.toml:{line}: mine.luts = 0");
+        let refused = |text: &str| Parts::default().and("mine.toml", text).unwrap_err();
         // Every key of the part, by its own line.
         let start = mine.lines().position(|text| text == "[mine]").unwrap() + 1;
         let end = mine.lines().skip(start).position(str::is_empty).unwrap();
@@ -221,7 +207,7 @@ mod tests {
                 &["\" \"", "3", "true"]
             };
             for value in wrong {
-                let printed = refused(index + 1, key, value);
+                let printed = refused(&with_line(&mine, index, &format!("{key} = {value}")));
                 let place = format!("mine.toml:{}: mine.{key} = ", index + 1);
                 assert!(printed.starts_with(&place), "{printed}");
                 assert!(
@@ -232,8 +218,9 @@ mod tests {
             checked += 1;
         }
         assert_eq!(checked, 8, "all keys of a part");
-        let unknown = mine.replacen("luts = 20800", "lutts = 20800", 1);
-        let printed = Parts::default().and("mine.toml", &unknown).unwrap_err();
+        let zero = refused(&mine.replacen("luts = 20800", "luts = 0", 1));
+        assert_eq!(zero, place + ": allowed are 1 to 100000000");
+        let printed = refused(&mine.replacen("luts = 20800", "lutts = 20800", 1));
         assert!(
             printed.contains(&format!("line {line}")) && printed.contains("lutts"),
             "{printed}"

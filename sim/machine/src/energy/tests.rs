@@ -1,20 +1,22 @@
 use super::*;
 use crate::simulate_alone;
-use crate::tests::{machine, workload};
+use crate::tests::{covered_row, machine, small_tiles, workload};
 use crate::workload::{SurfaceCounts, SurfaceWork, Workload};
 use proptest::prelude::*;
 use splatline::format::{Classic8, Lean18, Standard24};
 
 fn estimated(workload: &Workload, config: &Config, table: &EnergyTable) -> Energy {
+    estimated_of(&Standard24::WIDTHS, workload, config, table)
+}
+
+fn estimated_of(
+    widths: &Widths,
+    workload: &Workload,
+    config: &Config,
+    table: &EnergyTable,
+) -> Energy {
     let timing = simulate_alone(workload, config);
-    estimate(
-        None,
-        &Standard24::WIDTHS,
-        Traversal::Spans,
-        config,
-        &timing,
-        table,
-    )
+    estimate(None, widths, Traversal::Spans, config, &timing, table)
 }
 
 /// The same work as if it were a surface's.
@@ -102,7 +104,7 @@ proptest! {
     /// What the pixel path is charged, counted naively over the workload's rows where nothing is left out.
     #[test]
     fn pixels_and_rows_are_those_of_the_workload(workload in workload()) {
-        let config = Config { tile_width: 16, tile_height: 8, tile_termination: 0, ..Config::default() };
+        let config = Config { tile_termination: 0, ..small_tiles() };
         let energy = estimated(&workload, &config, &EnergyTable::default());
         let totals = workload.totals();
         let runs = workload.rows.iter().filter(|row| row.length > 0).count() as u64;
@@ -120,18 +122,8 @@ proptest! {
 
 /// A workload of one tile of 16 x 8 pixels with one splat of two rows.
 fn one_splat() -> Workload {
-    use crate::workload::{Pair, SplatWork, Tile, WorkloadRow};
-    let row = |x, length| WorkloadRow {
-        open: crate::workload::mask(x, length),
-        covered: crate::workload::mask(x, length),
-        x: x as u8,
-        length: length as u8,
-    };
+    use crate::workload::{Pair, SplatWork, Tile};
     Workload {
-        columns: 0,
-        order_changes: None,
-        surface: None,
-        key_bits: 0,
         tile: [16, 8],
         packet_bytes: 48,
         splats: vec![
@@ -152,49 +144,27 @@ fn one_splat() -> Workload {
             first_row: 3,
             visits: true,
         }],
-        rows: vec![row(2, 4), row(3, 2)],
+        rows: vec![covered_row(2, 4, true), covered_row(3, 2, true)],
+        ..Workload::default()
     }
 }
 
 #[test]
 fn narrow_designs_take_less_and_a_table_of_ones_own_is_said_to_be_so() {
-    let workload = one_splat();
-    let config = Config {
-        tile_width: 16,
-        tile_height: 8,
-        ..Config::default()
-    };
-    let timing = simulate_alone(&workload, &config);
+    let (workload, config) = (one_splat(), small_tiles());
     let table = EnergyTable::default();
-    let of =
-        |widths| estimate(None, &widths, Traversal::Spans, &config, &timing, &table).attojoules;
-    let energies = [
-        of(Classic8::WIDTHS),
-        of(Lean18::WIDTHS),
-        of(Standard24::WIDTHS),
-    ];
+    let energies = [Classic8::WIDTHS, Lean18::WIDTHS, Standard24::WIDTHS]
+        .map(|widths| estimated_of(&widths, &workload, &config, &table).attojoules);
     assert!(energies.is_sorted(), "{energies:?}");
     let own = EnergyTable::from_toml("e.toml", &SHIPPED.replace("pj = 1950", "pj = 195")).unwrap();
-    let cheaper = estimate(
-        None,
-        &Standard24::WIDTHS,
-        Traversal::Spans,
-        &config,
-        &timing,
-        &own,
-    );
+    let cheaper = estimated(&workload, &config, &own);
     assert!(cheaper.attojoules < energies[2] && cheaper.text().contains("a table of your own"));
 }
 
 /// Two readers of the export: the one here takes it apart line by line and must find every action again.
 #[test]
 fn the_action_counts_hold_every_action() {
-    let config = Config {
-        tile_width: 16,
-        tile_height: 8,
-        ..Config::default()
-    };
-    let energy = estimated(&one_splat(), &config, &EnergyTable::default());
+    let energy = estimated(&one_splat(), &small_tiles(), &EnergyTable::default());
     let text = action_counts(&energy);
     assert!(text.starts_with(
         "action_counts:\n  version: 0.4\n  local:\n    - name: splatline.fetch.dram_8x8\n"

@@ -334,10 +334,8 @@ mod tests {
         ] {
             let design = DesignChoice::named(name).unwrap();
             let options = Options {
-                rules: &Rules::GAUSSIAN_3D,
-                compositing: Compositing::FrontToBack,
-                design: &design,
                 traversal,
+                ..spans(&design)
             };
             let workload = extract(&scene, &camera, &options, [16, 8]).unwrap();
             // Back to front no pixel finishes, so the painter's sums are those of a drawing without termination.
@@ -346,17 +344,12 @@ mod tests {
                 ..options.clone()
             };
             let drawn = fixed::draw(&scene, &camera, &all).facts.coverage;
+            let drawn = [drawn.visited, drawn.covered];
             let totals = workload.totals();
-            assert_eq!(
-                (totals.visited, totals.covered),
-                (drawn.visited, drawn.covered),
-                "{name}"
-            );
+            assert_eq!([totals.visited, totals.covered], drawn, "{name}");
             let totals = extract(&scene, &camera, &all, [64, 16]).unwrap().totals();
-            assert_eq!(
-                (totals.visited, totals.covered, totals.live),
-                (drawn.visited, drawn.covered, drawn.covered)
-            );
+            assert_eq!([totals.visited, totals.covered], drawn, "{name}");
+            assert_eq!(totals.live, totals.covered, "{name}");
         }
     }
 
@@ -372,10 +365,8 @@ mod tests {
             extract_in_order(&scene, camera, &options, [16, 16], before, true).unwrap()
         };
         let first = draw(&camera, None);
-        assert_eq!(
-            first.picture,
-            fixed::draw(&scene, &camera, &options).picture
-        );
+        let drawn = fixed::draw(&scene, &camera, &options);
+        assert_eq!(first.picture, drawn.picture);
         let anew = extract(&scene, &camera, &options, [16, 16]).unwrap();
         assert_eq!(first.workload, anew);
         let still = draw(&camera, Some(&first.workload));
@@ -390,14 +381,9 @@ mod tests {
         let old = draw(&moved, Some(&first.workload));
         let changes = old.workload.order_changes.unwrap();
         let entries = old.workload.pairs.iter().filter(|pair| pair.visits).count() as u64;
-        assert!(
-            changes.came > 0 && changes.came < entries && changes.left > 0,
-            "{changes:?}"
-        );
-        assert!(
-            changes.inversions > 0 && changes.inversions < changes.pairs / 2,
-            "{changes:?}"
-        );
+        let some = (1..entries).contains(&changes.came) && changes.left > 0;
+        let few = (1..changes.pairs / 2).contains(&changes.inversions);
+        assert!(some && few, "{changes:?}");
         assert_ne!(old.picture, anew.picture);
         let sorted = |workload: &Workload, tile: usize| {
             let pairs = workload.pairs_of(tile).iter();
@@ -423,12 +409,8 @@ mod tests {
             small.totals().live < small.totals().covered,
             "some pixels must have finished for this test to mean anything"
         );
-        assert!(
-            small
-                .tiles
-                .iter()
-                .any(|tile| tile.finished_after != u32::MAX)
-        );
+        let mut tiles = small.tiles.iter();
+        assert!(tiles.any(|tile| tile.finished_after != u32::MAX));
         assert_eq!(small.visible(), large.visible());
     }
 }
