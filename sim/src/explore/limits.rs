@@ -71,14 +71,7 @@ impl Quantity {
 
     /// Does it follow from the design's pictures alone?
     pub fn is_error(self) -> bool {
-        matches!(
-            self,
-            Quantity::PsnrDb
-                | Quantity::LargestError
-                | Quantity::RmsError
-                | Quantity::Percentile99
-                | Quantity::Flip
-        )
+        self.of_error(&DesignError::none()).is_some()
     }
 
     /// Is it an error that takes longer to measure than to draw?
@@ -183,15 +176,12 @@ pub fn missed(limits: &[Limit], but: Option<usize>, reached: &Reached) -> f64 {
 pub fn tightest(limits: Vec<Limit>) -> Vec<Limit> {
     let mut all: Vec<Limit> = Vec::new();
     for limit in limits {
-        match all
+        let mut same = all
             .iter_mut()
-            .find(|other| other.quantity == limit.quantity)
-        {
-            Some(other) => {
-                if limit.excess(other.bound) > 0.0 {
-                    *other = limit;
-                }
-            }
+            .filter(|other| other.quantity == limit.quantity);
+        match same.next() {
+            Some(other) if limit.excess(other.bound) > 0.0 => *other = limit,
+            Some(_) => {}
             None => all.push(limit),
         }
     }
