@@ -419,4 +419,4 @@ fn answered(
 
 #[cfg(test)]
 #[path = "answer_tests.rs"]
-mod tests;
+pub(super) mod tests;

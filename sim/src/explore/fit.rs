@@ -147,27 +147,18 @@ pub fn refusal(design: &str, limits: &[Limit], error: &DesignError) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::design::DesignChoice;
+    use crate::explore::answer::tests::subject;
     use crate::explore::limits::Quantity;
-    use crate::plan::Prepared;
-    use crate::scene::synthetic;
 
     #[test]
     fn a_fitted_design_is_within_the_budget_and_minimal() {
-        let scene = synthetic::random_gaussians(150, 1, 2.0);
-        let (camera, rules) = (synthetic::camera(40, 30), scene.natural_rules);
-        let start = DesignChoice::named("standard24").unwrap();
-        let prepared = Prepared::of_splats(scene, camera, rules, start);
-        let mut subject = Subject::new(vec![&prepared]).unwrap();
-        subject.draw_references().unwrap();
+        let subject = subject(&[1.0]);
         let limit = |bound| [Limit::new(Quantity::RmsError, bound, "test")];
         let (fitted, _) = fit(&subject, &limit(1e-3), &|_| ()).unwrap();
         let fitted = fitted.unwrap();
         assert!(fitted.error.rms <= 1e-3);
-        assert!(
-            fitted.one_bit_less.values().all(|error| error.rms > 1e-3),
-            "{fitted:?}"
-        );
+        let mut less = fitted.one_bit_less.values();
+        assert!(less.all(|error| error.rms > 1e-3), "{fitted:?}");
         assert!(fitted.widths["mantissa"] < 24 && fitted.binding.is_some());
         assert_eq!(fit(&subject, &limit(0.0), &|_| ()).unwrap().0, None);
     }
