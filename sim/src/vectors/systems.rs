@@ -396,14 +396,9 @@ fn perspective_entries() -> [u32; PERSPECTIVE_ENTRIES] {
 }
 
 fn perspective() -> VectorStage {
-    let mut stage = VectorStage::new(
-        "perspective",
-        "entries of the two-index table, row by row of the spread",
-        "entry:32.28",
-    );
+    let about = "entries of the two-index table, row by row of the spread";
     let entries = perspective_entries();
-    stage.records = entries.iter().map(|entry| record![entry]).collect();
-    stage
+    VectorStage::of("perspective", about, "entry:32.28", &entries)
 }
 
 fn indices(widths: &Widths, subject: &VectorSubject) -> VectorStage {
