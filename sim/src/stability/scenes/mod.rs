@@ -157,18 +157,23 @@ struct DrawnClass<'a> {
     decisions: Box<dyn DecisionEngine + 'a>,
 }
 
+/// A scene in which every splat is another one.
+fn with_splats(scene: &Scene, change: impl Fn(&Splat) -> Splat) -> Scene {
+    let mut scene = scene.clone();
+    for splat in &mut scene.splats {
+        *splat = change(splat);
+    }
+    scene
+}
+
 /// The scene in camera space by W u + d, and a camera at its origin.
 fn in_camera_space(scene: &Scene, camera: &Camera) -> (Scene, Camera) {
     let turn = |v| vector::transform(&camera.rotation, v);
-    let turned = |splat: &Splat| Splat {
+    let scene = with_splats(scene, |splat| Splat {
         centre: vector::add(turn(splat.centre), camera.translation),
         axes: splat.axes.map(turn),
         ..*splat
-    };
-    let scene = Scene {
-        splats: scene.splats.iter().map(turned).collect(),
-        ..scene.clone()
-    };
+    });
     let camera = Camera {
         rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
         translation: [0.0; 3],
@@ -180,14 +185,10 @@ fn in_camera_space(scene: &Scene, camera: &Camera) -> (Scene, Camera) {
 /// The same view after everything has been moved by `-offset` and the splats have been rounded to single precision
 /// again.
 fn moved(scene: &Scene, camera: &Camera, offset: [f64; 3]) -> (Scene, Camera) {
-    let nearer = |splat: &Splat| Splat {
+    let scene = with_splats(scene, |splat| Splat {
         centre: vector::subtract(splat.centre, offset),
         ..*splat
-    };
-    let scene = Scene {
-        splats: scene.splats.iter().map(nearer).collect(),
-        ..scene.clone()
-    };
+    });
     let turned = vector::transform(&camera.rotation, offset);
     let camera = Camera {
         translation: vector::add(camera.translation, turned),
