@@ -61,21 +61,18 @@ pub fn fit(
     let frames = (0..subject.frames.len()).collect();
     let mut search = Search::new(&evaluator, &space, limits, frames, progress);
 
-    let start: Vec<usize> = space
-        .axes
-        .iter()
-        .map(|axis| axis.values.len() - 1)
-        .collect();
+    let last = space.axes.iter().map(|axis| axis.values.len() - 1);
+    let start: Vec<usize> = last.collect();
     let errors = |search: &mut Search, point: &[usize]| {
         let error = search.error(point)?;
         error.context("the references are drawn")
     };
     let error = errors(&mut search, &start)?;
     let excess = |error: &DesignError| {
-        let of = limits
-            .iter()
-            .map(|limit| limit.excess_of_error(Some(*error)));
-        of.fold(0.0, f64::max)
+        let all = limits.iter();
+        all.fold(0.0, |most, limit| {
+            limit.excess_of_error(Some(*error)).max(most)
+        })
     };
     if excess(&error) > 0.0 {
         return Ok((None, error));
@@ -93,10 +90,9 @@ pub fn fit(
         less[axis] -= 1;
         one_bit_less.insert(name, errors(&mut search, &less)?);
     }
-    let binding = one_bit_less
-        .iter()
-        .max_by(|a, b| excess(a.1).total_cmp(&excess(b.1)))
-        .map(|(name, _)| *name);
+    let less = one_bit_less.iter();
+    let binding = less.max_by(|a, b| excess(a.1).total_cmp(&excess(b.1)));
+    let binding = binding.map(|(name, _)| *name);
     let fitted = search.choice(&point)?.variant;
     let drawings = search.designs();
     let formats = match subject.formats[..] {
@@ -105,13 +101,10 @@ pub fn fit(
     };
     let mut design = fitted.design;
     design.traversal = fitted.traversal;
+    let names = WIDTH_RANGES.map(|(name, ..)| name);
     let fitted = Fit {
         design: design.resolved(),
-        widths: WIDTH_RANGES
-            .iter()
-            .map(|(name, ..)| *name)
-            .zip(design.widths.numbers())
-            .collect(),
+        widths: names.into_iter().zip(design.widths.numbers()).collect(),
         error,
         one_bit_less,
         binding,

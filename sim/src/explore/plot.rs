@@ -75,16 +75,10 @@ struct PointsData<'a> {
 fn points(table: &ResultTable, candidates: &[Candidate], front: &[&Candidate]) -> String {
     let shown = table.heading.len().saturating_sub(1);
     let columns = &table.heading[..shown];
-    let axes: Vec<&str> = columns
-        .iter()
-        .map(String::as_str)
-        .filter(|name| *name != "point" && !RESULTS.iter().any(|(result, ..)| result == name))
-        .collect();
-    let rows: Vec<&[String]> = candidates
-        .iter()
-        .filter_map(|candidate| table.rows.get(&candidate.point))
-        .filter_map(|row| row.get(..shown))
-        .collect();
+    let is_axis = |name: &&str| *name != "point" && RESULTS.iter().all(|(other, ..)| other != name);
+    let axes: Vec<&str> = columns.iter().map(String::as_str).filter(is_axis).collect();
+    let row = |candidate: &Candidate| table.rows.get(&candidate.point)?.get(..shown);
+    let rows: Vec<&[String]> = candidates.iter().filter_map(row).collect();
     let front: Vec<usize> = front.iter().map(|candidate| candidate.point).collect();
     let data = PointsData {
         columns,
@@ -154,10 +148,7 @@ mod tests {
 
     #[test]
     fn less_is_up() {
-        let all = [1e-5, 1e-2].into_iter().enumerate();
-        let all: Vec<_> = all
-            .map(|(point, rms)| candidate(point, rms, 1e6, 1e4))
-            .collect();
+        let all = [(0, 1e-5), (1, 1e-2)].map(|(point, rms)| candidate(point, rms, 1e6, 1e4));
         let page = shown("t", "", &all);
         let height = |point: &str| -> f64 {
             let mut circles = page.split("<circle");

@@ -161,10 +161,7 @@ fn depths(workload: &Workload, work: &LaneWork, machine: &Config) -> Depths {
         }
         needed.insert(name, depth);
     }
-    let high_water = best
-        .fifos
-        .iter()
-        .map(|(name, fifo)| (*name, fifo.high_water))
-        .collect();
-    (needed, high_water, best.total)
+    let fifos = best.fifos.iter();
+    let high_water = fifos.map(|(name, fifo)| (*name, fifo.high_water));
+    (needed, high_water.collect(), best.total)
 }

@@ -4,7 +4,7 @@
 
 use super::cache::Cache;
 use super::evaluator::{DesignError, Evaluator, Reached, work_key};
-use super::limits::{Limit, missed};
+use super::limits::{Limit, are_held};
 use super::space::{Point, Space, SpacePart};
 use super::subject::Choice;
 use crate::machine::area::lane::fixed_lane;
@@ -135,7 +135,7 @@ impl<'a> Search<'a> {
 
     /// Says what is being done, after how much, and what the best so far costs.
     fn tell(&self, what: &str, left: usize) {
-        let holds = |reached: &&Reached| missed(self.limits, None, reached) <= 0.0;
+        let holds = |reached: &&Reached| are_held(self.limits, reached);
         let held = self.known.values().flatten().filter(holds);
         let best = held.map(Reached::cost).min_by(f64::total_cmp);
         let best = best.map_or("none holds all limits yet".to_owned(), |cost| {
