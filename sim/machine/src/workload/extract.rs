@@ -176,12 +176,9 @@ impl ExtractJob<'_> {
     fn screen(&self, parts: &[TilePart], widths: &Widths, grid: &Grid) -> Vec<Pixel> {
         let [width, height] = self.viewport.map(usize::from);
         let mut screen = vec![Pixel::clear(widths); width * height];
-        for (tile, part) in parts.iter().enumerate() {
-            let window = grid.window(tile);
-            let (first, columns) = (window.first, usize::from(window.columns()));
-            for (row, pixels) in part.pixels.chunks(columns).enumerate() {
-                let start = (usize::from(first[1]) + row) * width + usize::from(first[0]);
-                screen[start..start + columns].copy_from_slice(pixels);
+        for (rows, part) in grid.split(&mut screen).into_iter().zip(parts) {
+            for (place, pixel) in rows.into_iter().flatten().zip(&part.pixels) {
+                *place = *pixel;
             }
         }
         screen
