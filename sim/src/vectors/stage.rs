@@ -179,11 +179,8 @@ impl VectorStage {
         if too_long {
             return Err(format!("the record has more than {bits} bits"));
         }
-        Ok(self
-            .fields
-            .iter()
-            .map(|field| field.value(&words))
-            .collect())
+        let values = self.fields.iter().map(|field| field.value(&words));
+        Ok(values.collect())
     }
 }
 

@@ -378,9 +378,7 @@ fn spheres<D: Design>(design: D, subject: &VectorSubject, rules: &Rules) -> Vect
             deviation.mantissa = deviation.mantissa.saturating_add(more);
         }
         let words = found(deviation).map(|found| {
-            let slant = found
-                .slant
-                .map_or([0; 2], |slant| [slant.mantissa, slant.exponent]);
+            let slant = found.slant.unwrap_or(soft(0, 0));
             record![found.footprint; found.spread; slant; found.end]
         });
         let operands = record![deviation; weight; ellipse as i64; index as i64];
