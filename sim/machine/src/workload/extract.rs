@@ -16,11 +16,11 @@ use crate::rules::Compositing;
 use crate::scene::Scene;
 use rayon::prelude::*;
 use splatline::blend::Pixel;
-use splatline::draw::Painter;
+use splatline::draw::{Painter, cutoff_in_lane};
 use splatline::footprint::Footprint;
 use splatline::footprint::packet::Layout;
-use splatline::format::{Design, Lane, Rounding, RuntimeWidths, Traversal, Widths};
-use splatline::math::{shift_signed, shift_unsigned};
+use splatline::format::{Design, Lane, RuntimeWidths, Traversal, Widths};
+use splatline::math::shift_signed;
 use splatline::raster::{BoxSpans, EllipseSpans, Span, Spans, Window};
 use splatline::setup::Cull;
 use splatline::target::Target;
@@ -258,14 +258,14 @@ impl TilePart {
 
 /// Notes the rows of one footprint in one tile.
 struct Note<'a> {
-    pub footprint: &'a Footprint,
-    pub widths: &'a Widths,
-    pub window: Window,
-    pub first_row: u16,
+    footprint: &'a Footprint,
+    widths: &'a Widths,
+    window: Window,
+    first_row: u16,
 }
 
 impl Note<'_> {
-    pub fn rows<R: Spans>(&self, mut runs: R, target: &mut Target, rows: &mut [WorkloadRow]) {
+    fn rows<R: Spans>(&self, mut runs: R, target: &mut Target, rows: &mut [WorkloadRow]) {
         let drop = runs.fraction() as i32 - i32::from(self.widths.radial);
         while let Some(run) = runs.next_span() {
             // A second seed within a row of the tile continues its run.
@@ -285,8 +285,7 @@ impl Note<'_> {
 
     /// The same comparison as in the painter's lanes.
     fn row<L: Lane>(&self, run: Span<L>, drop: i32, target: &mut Target) -> WorkloadRow {
-        let radial = i32::from(self.widths.radial);
-        let end = shift_unsigned(self.footprint.cutoff.into(), 28 - radial, Rounding::Nearest);
+        let end = cutoff_in_lane(self.footprint.cutoff, self.widths.radial);
         let x = run.x - self.window.first[0];
         let mut row = WorkloadRow {
             open: 0,
