@@ -220,7 +220,7 @@ mod tests {
     use super::*;
     use crate::memory::MemoryFacts;
     use crate::memory::dram::DramCounts;
-    use crate::tests::{changed, refused};
+    use crate::tests::{changed, refused, says};
     use crate::timing::Bytes;
 
     fn timing() -> Timing {
@@ -289,13 +289,11 @@ mod tests {
         );
         for (clock, name) in [(&xilinx, "Xilinx 7"), (&ice40, "iCE40")] {
             let named = format!("no raster unit was placed for {name}");
-            assert!(clock.of.contains(&named), "{}", clock.of);
+            says(&clock.of, &[&named]);
             assert!(clock.mhz != ecp5.mhz && clock.assumed);
         }
-        assert!(
-            ice40.mhz < 0.3 * ecp5.mhz && xilinx.mhz > ecp5.mhz,
-            "{xilinx:?} {ice40:?}"
-        );
+        assert!(ice40.mhz < 0.3 * ecp5.mhz, "{ice40:?}");
+        assert!(xilinx.mhz > ecp5.mhz, "{xilinx:?}");
     }
 
     #[test]
@@ -331,15 +329,13 @@ mod tests {
         assert_eq!(pace.bytes_per_frame, 16_000);
         assert!((pace.bytes_per_s - 1.6e9).abs() < 1.0);
         assert!((pace.channel_bytes_per_s - 3.2e9).abs() < 1.0);
-        let text = pace.text();
-        assert!(text.contains("of 3200.0 that ddr3-1600-x16 could move"));
+        let moves = "of 3200.0 that ddr3-1600-x16 could move";
+        says(&pace.text(), &[moves]);
         let wide = changed(config, "read_bandwidth=1024");
         assert_eq!(Throughput::new(&timing, &wide, pace.clock.clone()), pace);
         let printed = refused(config, "overlap_frames=2");
-        assert!(
-            printed.contains("overlap_frames = 2: allowed is 1 with a memory part"),
-            "{printed}"
-        );
+        let expected = "overlap_frames = 2: allowed is 1 with a memory part";
+        says(&printed, &[expected]);
     }
 
     /// 1,000 cycles at 100 MHz are 10 microseconds; 9,600 bytes in them 960 MB a second.

@@ -188,11 +188,10 @@ mod tests {
             for cores in FITTED_CORES {
                 let same = |unit: &&SetupUnit| unit.design == name && unit.cores == cores;
                 let unit = units.iter().find(same).unwrap();
-                assert_eq!(
-                    (unit.position, unit.mantissa, Some(unit.round)),
-                    (widths.position, widths.mantissa, round(&units, &widths)),
-                    "{name}: synthesise it anew"
-                );
+                let own = [unit.position, unit.mantissa];
+                let todays = [widths.position, widths.mantissa];
+                assert_eq!(own, todays, "{name}: synthesise it anew");
+                assert_eq!(Some(unit.round), round(&units, &widths), "{name}");
             }
         }
         assert!(lines_of::<SetupUnit>("design,widths\nlean18,30\n").is_err());

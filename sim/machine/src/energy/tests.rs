@@ -51,16 +51,11 @@ fn with_surfaces(
 
 /// Counts of an action over all components of a unit.
 fn count(energy: &Energy, unit: &str, component: &str, action: &str) -> u64 {
-    let unit = energy
-        .units
-        .iter()
-        .find(|found| found.unit == unit)
-        .unwrap();
-    let found = unit.actions.iter();
-    found
-        .filter(|found| (found.component, found.action) == (component, action))
-        .map(|found| found.count)
-        .sum()
+    let mut units = energy.units.iter();
+    let unit = units.find(|found| found.unit == unit).unwrap();
+    let wanted = |found: &&Action| (found.component, found.action) == (component, action);
+    let found = unit.actions.iter().filter(wanted);
+    found.map(|found| found.count).sum()
 }
 
 proptest! {
@@ -170,16 +165,11 @@ fn the_action_counts_hold_every_action() {
         "action_counts:\n  version: 0.4\n  local:\n    - name: splatline.fetch.dram_8x8\n"
     ));
     let mut names = std::collections::BTreeSet::new();
-    let components = text
-        .lines()
-        .filter_map(|line| line.strip_prefix("    - name: "));
-    assert!(
-        components.clone().all(|name| names.insert(name)),
-        "a component twice: {text}"
-    );
-    let counts = text
-        .lines()
-        .filter_map(|line| line.trim().strip_prefix("counts: "));
+    let mut components = (text.lines()).filter_map(|line| line.strip_prefix("    - name: "));
+    let once = components.all(|name| names.insert(name));
+    assert!(once, "a component twice: {text}");
+    let lines = text.lines().map(str::trim);
+    let counts = lines.filter_map(|line| line.strip_prefix("counts: "));
     let sum: u64 = counts.map(|count| count.parse::<u64>().unwrap()).sum();
     let actions = energy.units.iter().flat_map(|unit| &unit.actions);
     assert_eq!(sum, actions.map(|action| action.count).sum::<u64>());

@@ -80,9 +80,8 @@ const SHEETS: [TestSheet; 3] = [
 fn every_part_names_its_sheet() {
     for part in PARTS.iter() {
         assert!(SHEETS.iter().any(|(name, ..)| *name == part.name));
-        let sheet = ["JEDEC", "data sheet"]
-            .iter()
-            .any(|word| part.source.contains(word));
+        let mut sheets = ["JEDEC", "data sheet"].into_iter();
+        let sheet = sheets.any(|word| part.source.contains(word));
         assert!(sheet && part.source.contains("table"), "{}", part.name);
     }
 }
@@ -176,11 +175,10 @@ fn check_rules(part: &DramPart, log: &[Issued]) -> Result<(), TestCaseError> {
                 part.name
             );
         }
-        let activations: Vec<u64> = log[..=index]
+        let activations = log[..=index]
             .iter()
-            .filter(|found| found.command == Activate)
-            .map(|found| found.at)
-            .collect();
+            .filter(|found| found.command == Activate);
+        let activations: Vec<u64> = activations.map(|found| found.at).collect();
         if let [.., fifth, _, _, _, last] = activations[..] {
             prop_assert!(last >= fifth + part.faw);
         }

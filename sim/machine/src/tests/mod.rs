@@ -25,6 +25,14 @@ pub(crate) fn refused(mut config: Config, words: &str) -> String {
     config.set_words(&words).unwrap_err().to_string()
 }
 
+/// Asserts that a message says all of this.
+#[track_caller]
+pub(crate) fn says(message: &str, all: &[&str]) {
+    for words in all {
+        assert!(message.contains(words), "{words}: {message}");
+    }
+}
+
 /// A settings file in which a line, counted from 0, is another one.
 pub(crate) fn with_line(text: &str, index: usize, line: &str) -> String {
     let mut lines: Vec<&str> = text.lines().collect();
