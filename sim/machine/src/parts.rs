@@ -160,6 +160,7 @@ fn share(some: f64, of: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::tests::{says, with_line};
 
     #[test]
     fn shipped_parts_read_and_name_their_sources() {
@@ -167,21 +168,15 @@ mod tests {
         assert!(parts.len() >= 7);
         for (name, part) in &parts {
             // Which sheet, and where in it.
-            assert!(part.source.contains("DS"), "{name}");
-            let places = ["table", "family selection guide"];
-            assert!(
-                places.iter().any(|place| part.source.contains(place)),
-                "{name}"
-            );
+            let mut places = ["table", "family selection guide"].into_iter();
+            let has_place = places.any(|place| part.source.contains(place));
+            assert!(has_place && part.source.contains("DS"), "{name}");
             assert!(!part.memory.is_empty());
         }
         let found = Parts::default();
         assert_eq!(found.find("XC7A100T").unwrap().luts, 63_400);
         let unknown = found.find("xc7z020").unwrap_err();
-        assert!(
-            unknown.contains("xc7a35t") && unknown.contains("--parts"),
-            "{unknown}"
-        );
+        says(&unknown, &["xc7a35t", "--parts"]);
     }
 
     #[test]
@@ -191,23 +186,8 @@ mod tests {
         assert_eq!(parts.find("mine").unwrap().dsps, 90);
         let first = mine.find("luts = 20800").unwrap();
         let line = mine[..first].lines().count() + 1;
-        let zero = mine.replacen("luts = 20800", "luts = 0", 1);
-        assert_eq!(
-            Parts::default().and("mine.toml", &zero).unwrap_err(),
-            format!("mine.toml:{line}: mine.luts = 0: allowed are 1 to 100000000")
-        );
-        let refused = |line: usize, key: &str, value: &str| {
-            let lines = mine.lines().enumerate();
-            let changed = lines.map(|(index, text)| {
-                if index + 1 == line {
-                    format!("{key} = {value}\n")
-                } else {
-                    format!("{text}\n")
-                }
-            });
-            let printed = Parts::default().and("mine.toml", &changed.collect::<String>());
-            printed.unwrap_err()
-        };
+        let place = format!("mine.toml:{line}: mine.luts = 0");
+        let refused = |text: &str| Parts::default().and("mine.toml", text).unwrap_err();
         // Every key of the part, by its own line.
         let start = mine.lines().position(|text| text == "[mine]").unwrap() + 1;
         let end = mine.lines().skip(start).position(str::is_empty).unwrap();
@@ -221,22 +201,18 @@ mod tests {
                 &["\" \"", "3", "true"]
             };
             for value in wrong {
-                let printed = refused(index + 1, key, value);
+                let printed = refused(&with_line(&mine, index, &format!("{key} = {value}")));
                 let place = format!("mine.toml:{}: mine.{key} = ", index + 1);
                 assert!(printed.starts_with(&place), "{printed}");
-                assert!(
-                    printed.contains("allowed are") || printed.contains("name the"),
-                    "{printed}"
-                );
+                let mut words = ["allowed are", "name the"].into_iter();
+                assert!(words.any(|words| printed.contains(words)), "{printed}");
             }
             checked += 1;
         }
         assert_eq!(checked, 8, "all keys of a part");
-        let unknown = mine.replacen("luts = 20800", "lutts = 20800", 1);
-        let printed = Parts::default().and("mine.toml", &unknown).unwrap_err();
-        assert!(
-            printed.contains(&format!("line {line}")) && printed.contains("lutts"),
-            "{printed}"
-        );
+        let zero = refused(&mine.replacen("luts = 20800", "luts = 0", 1));
+        assert_eq!(zero, place + ": allowed are 1 to 100000000");
+        let printed = refused(&mine.replacen("luts = 20800", "lutts = 20800", 1));
+        says(&printed, &[&format!("line {line}"), "lutts"]);
     }
 }

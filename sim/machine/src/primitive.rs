@@ -296,30 +296,29 @@ mod tests {
     }
 
     /// One splat with these rows, offered in cycle 0.
-    fn alone(lanes: usize, queue: u32, rows: impl IntoIterator<Item = Option<LaneRun>>) -> u64 {
-        let mut clock = PrimitiveClock::new(lanes, queue, SETUP_INTERVAL, 0);
+    fn alone(lanes: usize, rows: &[Option<LaneRun>]) -> u64 {
+        let mut clock = PrimitiveClock::new(lanes, QUEUE, SETUP_INTERVAL, 0);
         clock.packet(0);
-        rows.into_iter().for_each(|row| {
-            clock.slot(row);
-        });
+        for row in rows {
+            clock.slot(*row);
+        }
         clock.idle_at()
     }
 
-    /// Slots leave in cycles 63, 64, 65; the first run is popped in 66 and keeps its lane until 71, the second until
-    /// 73.
     #[test]
-    fn three_rows_of_which_one_is_empty() {
+    fn one_splat_alone_takes_what_its_rows_say() {
         assert_eq!(LATENCY, 63);
-        assert_eq!(alone(1, QUEUE, [run(1, 0, 5), None, run(1, 2, 2)]), 75);
-    }
-
-    /// Rows of one lane each: no waiting, so that the last of four runs of 5 ends five cycles after it is popped in 69.
-    #[test]
-    fn four_lanes_take_four_rows_at_once() {
+        // Slots leave in cycles 63, 64, 65; the first run is popped in 66 and keeps its lane until 71, the second until
+        // 73.
+        assert_eq!(alone(1, &[run(1, 0, 5), None, run(1, 2, 2)]), 75);
+        // Rows of one lane each: no waiting, so that the last of four runs of 5 ends five cycles after it is popped in
+        // 69.
         assert_eq!(
-            alone(4, QUEUE, (0..4).map(|row| run(4, row, 5))),
+            alone(4, &[0, 1, 2, 3].map(|row| run(4, row, 5))),
             69 + 5 + 2
         );
+        // Without rows it takes a slot.
+        assert_eq!(alone(4, &[None]), LATENCY + 2);
     }
 
     /// One run waits for the lane at the queue's front, one behind it; the next one leaves in the cycle after these
@@ -334,33 +333,24 @@ mod tests {
         assert_eq!(clock.idle_at(), 66 + 40 + 2);
     }
 
-    #[test]
-    fn a_splat_without_rows_takes_a_slot() {
-        assert_eq!(alone(4, QUEUE, [None]), LATENCY + 2);
-    }
-
     /// A pixel comes again seven cycles after the last time; what does not meet goes on at once.
     #[test]
     fn runs_that_meet_keep_their_distance() {
         let mut clock = PrimitiveClock::new(1, QUEUE, SETUP_INTERVAL, 0);
         clock.packet(0);
-        let mut popped = |row, column, length| {
-            let lane = 0;
-            let slot = clock.slot(Some(LaneRun {
-                lane,
-                row,
-                column,
-                length,
-            }));
-            (slot.popped, slot.held)
-        };
-        assert_eq!(popped(0, 4, 2), (Some(66), 0));
-        // Column 5 was visited a cycle after column 4.
-        assert_eq!(popped(0, 5, 2), (Some(74), 6));
-        // Column 5 comes a cycle after column 4, too.
-        assert_eq!(popped(0, 4, 2), (Some(80), 4));
-        assert_eq!(popped(1, 4, 2), (Some(82), 0));
-        assert_eq!(popped(0, 6, 2), (Some(84), 0));
-        assert_eq!(popped(0, 0, 2), (Some(86), 0));
+        for (row, column, popped, held) in [
+            (0, 4, 66, 0),
+            // Column 5 was visited a cycle after column 4.
+            (0, 5, 74, 6),
+            // Column 5 comes a cycle after column 4, too.
+            (0, 4, 80, 4),
+            (1, 4, 82, 0),
+            (0, 6, 84, 0),
+            (0, 0, 86, 0),
+        ] {
+            let run = run(1, row, 2).map(|run| LaneRun { column, ..run });
+            let slot = clock.slot(run);
+            assert_eq!((slot.popped, slot.held), (Some(popped), held));
+        }
     }
 }

@@ -199,10 +199,9 @@ fn phases<O: Observer, M: Memory>(
     sort.wait(Cause::Port, memory.end_of_phase(sort.at()));
     let fill = filled(&geometry, config, memory);
     let sort_cycles = sort.at() + fill.as_ref().map_or(0, Account::at);
+    let units = (0..config.raster_units).map(|number| RasterUnit::new(number, config));
     let mut raster = Raster {
-        units: (0..config.raster_units)
-            .map(|number| RasterUnit::new(number, config))
-            .collect(),
+        units: units.collect(),
         ..Raster::default()
     };
     let tiles = Tiles {

@@ -10,7 +10,7 @@
 
 use super::evaluator::{Evaluator, Reached};
 use super::formats::{self, FormatRow};
-use super::limits::{Limit, missed};
+use super::limits::{Limit, are_held, missed};
 use super::refusal::{RuledOut, ruled_out};
 use super::search::{Score, Search, compare};
 use super::space::{Point, Space, SpaceAxis, SpacePart};
@@ -208,10 +208,8 @@ fn out_of_every_width(search: &mut Search, at: &[usize]) -> Result<Vec<RuledOut>
         return Ok(Vec::new());
     }
     let error = search.error(at)?;
-    let errors = search
-        .limits
-        .iter()
-        .filter(|limit| limit.quantity.is_error());
+    let limits = search.limits.iter();
+    let errors = limits.filter(|limit| limit.quantity.is_error());
     let of = |limit: &Limit| {
         let best = limit.quantity.of_error(error.as_ref()?)?;
         (limit.excess(best) > 0.0).then(|| RuledOut {
@@ -302,18 +300,14 @@ fn best_point(search: &mut Search, at: Point) -> Result<BestPoint> {
     let point = search.search(at, &|reached| score(limits, reached))?;
     let mut missed_alone = vec![None; limits.len()];
     let first = search.known.get(&point).and_then(Option::as_ref).cloned();
-    if first
-        .as_ref()
-        .is_some_and(|first| missed(limits, None, first) <= 0.0)
-    {
+    let first = first.as_ref();
+    if first.is_some_and(|first| are_held(limits, first)) {
         return Ok((point, missed_alone));
     }
     let (_, machines) = search.split_axes();
     for (place, limit) in limits.iter().enumerate() {
         // What the point holds need not give way. Errors are kept: what a wider one would allow is another question.
-        let is_missed = first
-            .as_ref()
-            .is_some_and(|first| limit.missed_by(first) > 0.0);
+        let is_missed = first.is_some_and(|first| limit.missed_by(first) > 0.0);
         if is_missed && !limit.quantity.is_error() {
             search.settle(point.clone(), &machines, &|reached| {
                 let others = missed(limits, Some(place), reached);
@@ -322,9 +316,8 @@ fn best_point(search: &mut Search, at: Point) -> Result<BestPoint> {
         }
         let all = search.known.values().flatten();
         let alone = all.filter(|reached| missed(limits, Some(place), reached) <= 0.0);
-        let least = alone
-            .map(|reached| limit.missed_by(reached))
-            .min_by(f64::total_cmp);
+        let missed = alone.map(|reached| limit.missed_by(reached));
+        let least = missed.min_by(f64::total_cmp);
         missed_alone[place] = least.filter(|least| least.is_finite());
     }
     Ok((point, missed_alone))
@@ -339,13 +332,11 @@ fn answered(
     let (limits, evaluator) = (search.limits, search.evaluator);
     let known = |point: &[usize]| search.known.get(point).and_then(Option::as_ref);
     let first = known(best).context("the search ends at a point that makes no machine")?;
-    let holds = missed(limits, None, first) <= 0.0;
-    let mut points: Vec<(&Point, &Reached)> = search
-        .known
-        .iter()
-        .filter_map(|(point, reached)| Some((point, reached.as_ref()?)))
-        .filter(|(_, reached)| holds && missed(limits, None, reached) <= 0.0)
-        .collect();
+    let holds = are_held(limits, first);
+    let all = search.known.iter();
+    let all = all.filter_map(|(point, reached)| Some((point, reached.as_ref()?)));
+    let holding = all.filter(|(_, reached)| holds && are_held(limits, reached));
+    let mut points: Vec<(&Point, &Reached)> = holding.collect();
     points.sort_by(|a, b| compare(&score(limits, a.1), &score(limits, b.1)).then(a.0.cmp(b.0)));
     // Points of nearly the same cost differ in what hardly matters, a place of a queue: one of them says all.
     points.dedup_by(|later, kept| later.1.cost() < (1.0 + APART) * kept.1.cost());
@@ -362,7 +353,7 @@ fn answered(
             for frame in frames.iter().filter(|frame| !searched.contains(frame)) {
                 let error = evaluator.error(&choice.variant, &[*frame])?;
                 let one = evaluator.reached(&choice, error, &costs[*frame..=*frame]);
-                if holds && found.is_empty() && missed(limits, None, &one) > 0.0 {
+                if holds && found.is_empty() && !are_held(limits, &one) {
                     return Ok(Err(*frame));
                 }
             }
@@ -370,7 +361,7 @@ fn answered(
             reached = evaluator.reached(&choice, error, &costs);
         }
         // The cheapest point holds on every frame, and with that over all of them.
-        if holds && !found.is_empty() && missed(limits, None, &reached) > 0.0 {
+        if holds && !found.is_empty() && !are_held(limits, &reached) {
             continue;
         }
         found.push(Found {
@@ -402,7 +393,7 @@ fn answered(
     let looked_at = |reached: &Reached| LookedAt {
         cost: reached.cost(),
         frames_per_s: reached.pace.frames_per_s,
-        holds: missed(limits, None, reached) <= 0.0,
+        holds: are_held(limits, reached),
     };
     let answer = Answer {
         holds,
@@ -419,4 +410,4 @@ fn answered(
 
 #[cfg(test)]
 #[path = "answer_tests.rs"]
-mod tests;
+pub(super) mod tests;

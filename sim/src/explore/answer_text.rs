@@ -87,12 +87,10 @@ impl Answer {
 
     /// Which limit would have to give way, by how much.
     fn failing(&self) -> String {
-        let mut alone: Vec<(&Standing, f64)> = self
-            .standings
-            .iter()
-            .filter_map(|standing| Some((standing, standing.missed_alone?)))
-            .filter(|(_, missed)| *missed > 0.0)
-            .collect();
+        let missed = |one: &Standing| one.missed_alone.filter(|missed| *missed > 0.0);
+        let alone = self.standings.iter();
+        let alone = alone.filter_map(|standing| Some((standing, missed(standing)?)));
+        let mut alone: Vec<(&Standing, f64)> = alone.collect();
         alone.sort_by(|a, b| a.1.total_cmp(&b.1));
         let Some(((first, missed), others)) = alone.split_first() else {
             return "more than one limit fails: no point looked at misses only one of them\n"
@@ -145,9 +143,8 @@ fn nexts(first: &Found, next: &[Found]) -> String {
 /// A point in a few lines, its machine by what decides area and pace; the rest is in machine.toml.
 fn point(found: &Found) -> String {
     let (design, machine, reached) = (&found.design, &found.machine, &found.reached);
-    let widths: Vec<String> = design
-        .widths
-        .iter()
+    let widths = design.widths.iter();
+    let widths: Vec<String> = widths
         .map(|(name, bits)| format!("{name} {bits}"))
         .collect();
     let (some, others) = widths.split_at(widths.len() / 2);

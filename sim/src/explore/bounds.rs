@@ -27,14 +27,11 @@ impl FrameCounts {
     /// Of a frame's work.
     pub fn of(workload: &Workload) -> FrameCounts {
         let blended = workload.totals().live as f64 * SAME_WHATEVER_THE_DESIGN;
+        let pixels = workload.tiles.iter().map(|tile| u64::from(tile.pixels));
         FrameCounts {
             splats: workload.splats.len() as u64,
             blended: blended as u64,
-            pixels: workload
-                .tiles
-                .iter()
-                .map(|tile| u64::from(tile.pixels))
-                .sum(),
+            pixels: pixels.sum(),
         }
     }
 
@@ -47,25 +44,17 @@ impl FrameCounts {
             pixels_written: pixels * u64::from(machine.pixel_bytes),
             ..Bytes::default()
         };
-        let (units, setup_units) = (
-            u64::from(machine.raster_units),
-            u64::from(machine.setup_units),
-        );
-        let lanes = u64::from(machine.lanes) * units;
-        let set_up = splats / setup_units * u64::from(machine.setup_interval);
+        let interval = u64::from(machine.setup_interval);
+        let lanes = u64::from(machine.lanes) * u64::from(machine.raster_units);
+        let set_up = splats / u64::from(machine.setup_units) * interval;
         let drawn = blended / lanes * u64::from(machine.blend_interval);
         let over_channels = machine.memory_part().is_none();
-        let moved = |bytes: u64, per_cycle: u32| {
-            if over_channels {
-                bytes / u64::from(per_cycle)
-            } else {
-                0
-            }
+        let moved = |bytes: u64, per_cycle: u32| match over_channels {
+            true => bytes / u64::from(per_cycle),
+            false => 0,
         };
-        let first_interval = u64::from(machine.setup_interval);
-        let geometry = set_up
-            .saturating_sub(first_interval)
-            .max(moved(bytes.splats_read, machine.read_bandwidth));
+        let read = moved(bytes.splats_read, machine.read_bandwidth);
+        let geometry = set_up.saturating_sub(interval).max(read);
         let raster = drawn.max(moved(bytes.pixels_written, machine.write_bandwidth));
         Timing {
             total: geometry + raster,

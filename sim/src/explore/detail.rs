@@ -3,7 +3,7 @@
 
 use super::answer::{Answer, Found, place_of};
 use super::evaluator::Evaluator;
-use super::limits::{Limit, missed};
+use super::limits::{Limit, are_held};
 use super::search::EXCHANGED;
 use super::space::{Space, SpaceAxis};
 use super::subject::{Choice, Subject};
@@ -116,7 +116,7 @@ fn knobs(
             cost: reached.cost() / before.cost() - 1.0,
             frames_per_s: reached.pace.frames_per_s / before.pace.frames_per_s - 1.0,
             energy: reached.millijoules / before.millijoules - 1.0,
-            holds: missed(limits, None, &reached) <= 0.0,
+            holds: are_held(limits, &reached),
         });
     }
     Ok(knobs)

@@ -131,19 +131,13 @@ pub fn worst(picture: &Picture, reference: &Picture) -> Window {
         let of = |channel: usize| (stored(a[channel]) - stored(b[channel])).abs();
         (0..3).map(of).fold(0.0, f64::max)
     };
-    let most = pixels
-        .map(size)
-        .enumerate()
-        .max_by(|a, b| a.1.total_cmp(&b.1));
+    let sizes = pixels.map(size).enumerate();
+    let most = sizes.max_by(|a, b| a.1.total_cmp(&b.1));
     let (place, width) = (most.map_or(0, |most| most.0), picture.width.max(1));
     let at = [place % width, place / width].map(|at| at as u16);
     let first = [0, 1].map(|axis| at[axis] - at[axis] % TILE[axis]);
-    let size = [picture.width, picture.height];
-    let end = [0, 1].map(|axis| {
-        first[axis]
-            .saturating_add(TILE[axis])
-            .min(size[axis] as u16)
-    });
+    let size = [picture.width, picture.height].map(|size| size as u16);
+    let end = [0, 1].map(|axis| first[axis].saturating_add(TILE[axis]).min(size[axis]));
     Window { first, end }
 }
 
@@ -207,26 +201,21 @@ mod tests {
         assert!((quick.rms / whole.rms() - 1.0).abs() < 1e-12);
         assert!((quick.bias - whole.bias).abs() < 1e-15);
         assert!((quick.psnr_db() - whole.psnr_db).abs() < 1e-9);
-        assert_eq!(
-            DesignError::of(&float, &float).unwrap(),
-            DesignError::default()
-        );
+        let none = DesignError::of(&float, &float).unwrap();
+        assert_eq!(none, DesignError::default());
         assert!(DesignError::of(&float, &Picture::new(30, 40)).is_err());
         fixed.pixels[3][0] = f64::NAN;
-        assert_eq!(
-            DesignError::of(&fixed, &float).unwrap().max_abs,
-            f64::INFINITY
-        );
+        let endless = DesignError::of(&fixed, &float).unwrap();
+        assert_eq!(endless.max_abs, f64::INFINITY);
     }
 
     /// Tile by tile they grow to those of the whole, and never beyond.
     #[test]
     fn errors_of_tiles_are_no_larger_than_the_pictures() {
-        let mut float = Picture::new(150, 70);
-        let mut fixed = Picture::new(150, 70);
-        for (place, (a, b)) in float.pixels.iter_mut().zip(&mut fixed.pixels).enumerate() {
-            *a = [0.5; 4];
-            *b = [0.5 + (place * 37 % 101) as f64 * 1e-3; 4];
+        let (mut float, mut fixed) = (Picture::new(150, 70), Picture::new(150, 70));
+        float.pixels.fill([0.5; 4]);
+        for (place, pixel) in fixed.pixels.iter_mut().enumerate() {
+            *pixel = [0.5 + (place * 37 % 101) as f64 * 1e-3; 4];
         }
         fixed.pixels[66 * 150 + 140] = [0.9; 4];
         let tile = worst(&fixed, &float);
@@ -234,26 +223,20 @@ mod tests {
         let whole = DesignError::of(&fixed, &float).unwrap();
         let part = errors_inside(&fixed, &float, &[tile]);
         assert!(part.max_abs == whole.max_abs && part.rms < whole.rms);
-        let all = errors_inside(
-            &fixed,
-            &float,
-            &[Window {
-                first: [0; 2],
-                end: [150, 70],
-            }],
-        );
+        let (first, end) = ([0; 2], [150, 70]);
+        let all = errors_inside(&fixed, &float, &[Window { first, end }]);
         assert!((all.rms / whole.rms - 1.0).abs() < 1e-12);
     }
 
     #[test]
     fn errors_over_pictures_are_the_largest_and_the_mean() {
-        let one = |max_abs, rms, bias| DesignError {
+        let all = [(0.1, 3.0, 0.5), (0.4, 4.0, -0.1)].map(|(max_abs, rms, bias)| DesignError {
             max_abs,
             rms,
             bias,
             detail: None,
-        };
-        let over = DesignError::over(&[one(0.1, 3.0, 0.5), one(0.4, 4.0, -0.1)]);
+        });
+        let over = DesignError::over(&all);
         assert_eq!(over.max_abs, 0.4);
         assert!((over.rms - 12.5f64.sqrt()).abs() < 1e-12 && (over.bias - 0.2).abs() < 1e-12);
     }

@@ -61,21 +61,18 @@ pub fn fit(
     let frames = (0..subject.frames.len()).collect();
     let mut search = Search::new(&evaluator, &space, limits, frames, progress);
 
-    let start: Vec<usize> = space
-        .axes
-        .iter()
-        .map(|axis| axis.values.len() - 1)
-        .collect();
+    let last = space.axes.iter().map(|axis| axis.values.len() - 1);
+    let start: Vec<usize> = last.collect();
     let errors = |search: &mut Search, point: &[usize]| {
         let error = search.error(point)?;
         error.context("the references are drawn")
     };
     let error = errors(&mut search, &start)?;
     let excess = |error: &DesignError| {
-        let of = limits
-            .iter()
-            .map(|limit| limit.excess_of_error(Some(*error)));
-        of.fold(0.0, f64::max)
+        let all = limits.iter();
+        all.fold(0.0, |most, limit| {
+            limit.excess_of_error(Some(*error)).max(most)
+        })
     };
     if excess(&error) > 0.0 {
         return Ok((None, error));
@@ -93,10 +90,9 @@ pub fn fit(
         less[axis] -= 1;
         one_bit_less.insert(name, errors(&mut search, &less)?);
     }
-    let binding = one_bit_less
-        .iter()
-        .max_by(|a, b| excess(a.1).total_cmp(&excess(b.1)))
-        .map(|(name, _)| *name);
+    let less = one_bit_less.iter();
+    let binding = less.max_by(|a, b| excess(a.1).total_cmp(&excess(b.1)));
+    let binding = binding.map(|(name, _)| *name);
     let fitted = search.choice(&point)?.variant;
     let drawings = search.designs();
     let formats = match subject.formats[..] {
@@ -105,13 +101,10 @@ pub fn fit(
     };
     let mut design = fitted.design;
     design.traversal = fitted.traversal;
+    let names = WIDTH_RANGES.map(|(name, ..)| name);
     let fitted = Fit {
         design: design.resolved(),
-        widths: WIDTH_RANGES
-            .iter()
-            .map(|(name, ..)| *name)
-            .zip(design.widths.numbers())
-            .collect(),
+        widths: names.into_iter().zip(design.widths.numbers()).collect(),
         error,
         one_bit_less,
         binding,
@@ -147,27 +140,18 @@ pub fn refusal(design: &str, limits: &[Limit], error: &DesignError) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::design::DesignChoice;
+    use crate::explore::answer::tests::subject;
     use crate::explore::limits::Quantity;
-    use crate::plan::Prepared;
-    use crate::scene::synthetic;
 
     #[test]
     fn a_fitted_design_is_within_the_budget_and_minimal() {
-        let scene = synthetic::random_gaussians(150, 1, 2.0);
-        let (camera, rules) = (synthetic::camera(40, 30), scene.natural_rules);
-        let start = DesignChoice::named("standard24").unwrap();
-        let prepared = Prepared::of_splats(scene, camera, rules, start);
-        let mut subject = Subject::new(vec![&prepared]).unwrap();
-        subject.draw_references().unwrap();
+        let subject = subject(&[1.0]);
         let limit = |bound| [Limit::new(Quantity::RmsError, bound, "test")];
         let (fitted, _) = fit(&subject, &limit(1e-3), &|_| ()).unwrap();
         let fitted = fitted.unwrap();
         assert!(fitted.error.rms <= 1e-3);
-        assert!(
-            fitted.one_bit_less.values().all(|error| error.rms > 1e-3),
-            "{fitted:?}"
-        );
+        let mut less = fitted.one_bit_less.values();
+        assert!(less.all(|error| error.rms > 1e-3), "{fitted:?}");
         assert!(fitted.widths["mantissa"] < 24 && fitted.binding.is_some());
         assert_eq!(fit(&subject, &limit(0.0), &|_| ()).unwrap().0, None);
     }

@@ -121,24 +121,6 @@ mod tests {
         ["point", "a"].map(str::to_owned).to_vec()
     }
 
-    #[test]
-    fn a_broken_last_line_is_dropped_and_overwritten() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("points.csv");
-        std::fs::write(&path, "point,a\n0,5\n1,").unwrap();
-        let table = ResultTable::from_csv(&std::fs::read_to_string(&path).unwrap()).unwrap();
-        assert_eq!(table.rows.keys().collect::<Vec<_>>(), [&0]);
-        Appender::open(&path, &heading())
-            .unwrap()
-            .0
-            .append_line("1,6\n")
-            .unwrap();
-        assert_eq!(
-            std::fs::read_to_string(&path).unwrap(),
-            "point,a\n0,5\n1,6\n"
-        );
-    }
-
     /// Whatever byte an interruption cuts the table at, the sweep goes on with the whole lines, and ends with the same
     /// table.
     #[test]

@@ -5,7 +5,7 @@
 //! format has the rows and the cycles of the fixed design, whose lanes also take a pixel a cycle.
 
 use super::evaluator::{DesignError, Evaluator};
-use super::limits::{Limit, missed};
+use super::limits::{Limit, are_held};
 use super::search::{Judge, Search};
 use super::space::{Space, SpacePart};
 use crate::machine::area::lane::fixed_lane;
@@ -131,7 +131,7 @@ pub(super) fn beside_point(
         let error = evaluator.error(&choice.variant, all)?;
         let reached = evaluator.reached(&choice, error, &evaluator.on_all_frames(&choice)?);
         Ok(FormatRow {
-            holds: missed(limits, None, &reached) <= 0.0,
+            holds: are_held(limits, &reached),
             machine: Some(MachineInFormat {
                 luts_in_all: reached.cost(),
                 frames_per_s: reached.pace.frames_per_s,

@@ -28,16 +28,16 @@ pub fn candidates(table: &ResultTable) -> Vec<Candidate> {
     let candidate = |(point, fields): (&usize, &Vec<String>)| {
         let named = table.heading.iter().zip(fields);
         let named = named.filter(|(name, value)| !value.is_empty() && *name != ROW_DIGEST);
+        let label: Vec<String> = named
+            .map(|(name, value)| format!("{name} {value}"))
+            .collect();
         Some(Candidate {
             point: *point,
             rms: fields.get(rms)?.parse().unwrap_or(0.0),
             cycles: fields.get(cycles)?.parse().ok()?,
             area: fields.get(area)?.parse().ok()?,
             energy: fields.get(energy)?.parse().ok()?,
-            label: named
-                .map(|(name, value)| format!("{name} {value}"))
-                .collect::<Vec<_>>()
-                .join(", "),
+            label: label.join(", "),
         })
     };
     table.rows.iter().filter_map(candidate).collect()

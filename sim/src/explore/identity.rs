@@ -130,16 +130,16 @@ struct SceneDigests(HashMap<*const (), String>);
 
 impl SceneDigests {
     fn of(&mut self, frame: &Prepared) -> Result<String> {
-        let subject = frame.subject()?;
-        let place: *const () = match subject {
-            Drawn::Splats(splats) => std::ptr::from_ref(splats.scene).cast(),
-            Drawn::Surface(scene, _) => std::ptr::from_ref(scene).cast(),
-        };
-        let digest = self.0.entry(place).or_insert_with(|| match subject {
-            Drawn::Splats(splats) => of_scene(splats.scene),
-            Drawn::Surface(scene, _) => of_surface(scene),
-        });
-        Ok(digest.clone())
+        Ok(match frame.subject()? {
+            Drawn::Splats(splats) => self.known(splats.scene, of_scene),
+            Drawn::Surface(scene, _) => self.known(scene, of_surface),
+        })
+    }
+
+    fn known<T>(&mut self, scene: &T, digest: fn(&T) -> String) -> String {
+        let place = std::ptr::from_ref(scene).cast();
+        let known = self.0.entry(place).or_insert_with(|| digest(scene));
+        known.clone()
     }
 
     /// Scene, camera and rules of a further frame.

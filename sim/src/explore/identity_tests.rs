@@ -4,6 +4,7 @@
 use super::*;
 use crate::camera::Camera;
 use crate::design::DesignChoice;
+use crate::explore::folder::claim;
 use crate::machine::area::{Calibration, Family};
 use crate::machine::config::{Config, SETTINGS};
 use crate::machine::energy::{EnergyTable, SHIPPED};
@@ -30,7 +31,7 @@ struct Facts {
     calibration: Calibration,
     energy: EnergyTable,
     errors: bool,
-    settings: Vec<(&'static str, String)>,
+    settings: Vec<SettingsText>,
     space: String,
 }
 
@@ -59,11 +60,7 @@ impl Facts {
     }
 
     fn identity(&self) -> Identity {
-        let picture = Picture {
-            width: 1,
-            height: 1,
-            pixels: vec![[0.0; 4]],
-        };
+        let picture = Picture::new(1, 1);
         let design = DesignChoice::from_toml("d.toml", &self.design).unwrap();
         let (scene, camera) = (self.scene.clone(), self.camera.clone());
         let mut prepared = Prepared::of_splats(scene, camera, self.rules, design);
@@ -78,12 +75,7 @@ impl Facts {
             references: self.errors.then_some(picture).into_iter().collect(),
             ..Subject::new(vec![&prepared]).unwrap()
         };
-        let settings: Vec<SettingsText> = self
-            .settings
-            .iter()
-            .map(|(role, text)| (*role, text.clone()))
-            .collect();
-        Identity::new(&subject, &self.space, &settings).unwrap()
+        Identity::new(&subject, &self.space, &self.settings).unwrap()
     }
 }
 
@@ -256,17 +248,14 @@ fn check(kind: usize, which: usize, bit: u32) -> Result<(), TestCaseError> {
     prop_assert!(known.differences(&read).is_empty(), "what is read back");
     for (a, b) in [(&known, &other), (&other, &known)] {
         let printed = a.differences(b);
-        prop_assert!(
-            printed.iter().any(|line| line.starts_with(named)),
-            "{named}: {printed:?}"
-        );
+        let names = printed.iter().any(|line| line.starts_with(named));
+        prop_assert!(names, "{named}: {printed:?}");
     }
     let folder = tempfile::tempdir().unwrap();
-    crate::explore::folder::claim(folder.path(), &known).unwrap();
-    let refused = crate::explore::folder::claim(folder.path(), &other);
-    let refused = refused.unwrap_err().to_string();
+    claim(folder.path(), &known).unwrap();
+    let refused = claim(folder.path(), &other).unwrap_err().to_string();
     prop_assert!(refused.contains("holds another sweep"), "{refused}");
-    crate::explore::folder::claim(folder.path(), &known).unwrap();
+    claim(folder.path(), &known).unwrap();
     Ok(())
 }
 

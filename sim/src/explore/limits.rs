@@ -71,14 +71,7 @@ impl Quantity {
 
     /// Does it follow from the design's pictures alone?
     pub fn is_error(self) -> bool {
-        matches!(
-            self,
-            Quantity::PsnrDb
-                | Quantity::LargestError
-                | Quantity::RmsError
-                | Quantity::Percentile99
-                | Quantity::Flip
-        )
+        self.of_error(&DesignError::none()).is_some()
     }
 
     /// Is it an error that takes longer to measure than to draw?
@@ -170,12 +163,15 @@ impl Limit {
     }
 }
 
+/// Does a point hold all limits?
+pub fn are_held(limits: &[Limit], reached: &Reached) -> bool {
+    missed(limits, None, reached) <= 0.0
+}
+
 /// By how much all limits are missed, in sum, `but` one if it names one.
 pub fn missed(limits: &[Limit], but: Option<usize>, reached: &Reached) -> f64 {
-    let counted = limits
-        .iter()
-        .enumerate()
-        .filter(|(place, _)| Some(*place) != but);
+    let all = limits.iter().enumerate();
+    let counted = all.filter(|(place, _)| Some(*place) != but);
     counted.map(|(_, limit)| limit.missed_by(reached)).sum()
 }
 
@@ -183,15 +179,10 @@ pub fn missed(limits: &[Limit], but: Option<usize>, reached: &Reached) -> f64 {
 pub fn tightest(limits: Vec<Limit>) -> Vec<Limit> {
     let mut all: Vec<Limit> = Vec::new();
     for limit in limits {
-        match all
-            .iter_mut()
-            .find(|other| other.quantity == limit.quantity)
-        {
-            Some(other) => {
-                if limit.excess(other.bound) > 0.0 {
-                    *other = limit;
-                }
-            }
+        let mut others = all.iter_mut();
+        match others.find(|other| other.quantity == limit.quantity) {
+            Some(other) if limit.excess(other.bound) > 0.0 => *other = limit,
+            Some(_) => {}
             None => all.push(limit),
         }
     }

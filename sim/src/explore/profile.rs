@@ -79,57 +79,43 @@ pub fn needs(
     let peaks = footprints
         .iter()
         .map(|footprint| f64::from(footprint.opacity) / f64::from(peak_bits).exp2());
+    let (least, highest) = (exponents.clone().min(), peaks.clone().reduce(f64::max));
     let work = LaneWork::new(workload, LaneShape::from(machine));
     let (fifo_depths, fifo_high_water, cycles) = depths(workload, &work, machine);
     let finished = totals.covered - totals.live;
+    let runs = workload.rows.iter().map(|row| row.length);
+    let lists = (0..workload.tiles.len()).map(|tile| workload.pairs_in(tile).len());
     let mut needs = Needs {
         units: BTreeMap::new(),
         fifo_depths,
         fifo_high_water,
         cycles,
         deepest_pixel: statistics.layers_per_pixel.largest as u32,
-        longest_tile_list: longest_list(workload),
+        longest_tile_list: lists.max().unwrap_or(0) as u32,
         visible: footprints.len(),
-        curvature_log2: exponents
-            .clone()
-            .min()
-            .zip(exponents.max())
-            .map(|(low, high)| [low, high]),
+        curvature_log2: least.zip(exponents.max()).map(<[i32; 2]>::from),
         largest_box: footprints.iter().fold([0, 0], |largest, footprint| {
             [0, 1].map(|axis| largest[axis].max(footprint.end[axis] - footprint.first[axis]))
         }),
-        longest_run: workload
-            .rows
-            .iter()
-            .map(|row| row.length.into())
-            .max()
-            .unwrap_or(0),
-        peaks: peaks
-            .clone()
-            .reduce(f64::max)
-            .zip(peaks.reduce(f64::min))
-            .map(|(high, low)| [high, low]),
+        longest_run: runs.max().unwrap_or(0).into(),
+        peaks: highest.zip(peaks.reduce(f64::min)).map(<[f64; 2]>::from),
         finished_part: part(finished, totals.covered as usize),
         empty_pairs_part: part(empty, workload.pairs.len()),
     };
-    needs.judge_units(workload, alpha_max);
+    needs.judge_units(workload, statistics.finished_tiles, alpha_max);
     needs
 }
 
 impl Needs {
-    fn judge_units(&mut self, workload: &Workload, alpha_max: f64) {
-        let finished_tiles = workload
-            .tiles
-            .iter()
-            .filter(|tile| tile.finished_after != u32::MAX)
-            .count();
+    fn judge_units(&mut self, workload: &Workload, tiles: [u64; 2], alpha_max: f64) {
+        let [finished_tiles, tiles] = tiles;
         let per_cent = |part: f64| format!("{:.1} %", 100.0 * part);
         let mut judge = |unit, needed: bool, reason: String| {
             let verdict = if needed { "used" } else { "not needed" };
             self.units.insert(unit, format!("{verdict}: {reason}"));
         };
         let (visible, layers) = (self.visible, self.deepest_pixel);
-        let (splats, tiles) = (workload.splats.len(), workload.tiles.len());
+        let splats = workload.splats.len();
         let reason = format!("{visible} of {splats} splats are visible");
         judge("setup", visible > 0, reason);
         let (finished, empty) = (self.finished_part, self.empty_pairs_part);
@@ -175,19 +161,7 @@ fn depths(workload: &Workload, work: &LaneWork, machine: &Config) -> Depths {
         }
         needed.insert(name, depth);
     }
-    let high_water = best
-        .fifos
-        .iter()
-        .map(|(name, fifo)| (*name, fifo.high_water))
-        .collect();
-    (needed, high_water, best.total)
-}
-
-fn longest_list(workload: &Workload) -> u32 {
-    let ends = workload.tiles.iter().map(|tile| tile.pairs_end);
-    let starts = std::iter::once(0).chain(ends.clone());
-    ends.zip(starts)
-        .map(|(end, start)| end - start)
-        .max()
-        .unwrap_or(0)
+    let fifos = best.fifos.iter();
+    let high_water = fifos.map(|(name, fifo)| (*name, fifo.high_water));
+    (needed, high_water.collect(), best.total)
 }

@@ -6,7 +6,7 @@
 
 use super::answer::start;
 use super::evaluator::Reached;
-use super::limits::{Limit, Quantity, missed};
+use super::limits::{Limit, Quantity, are_held, missed};
 use super::search::Search;
 use anyhow::Result;
 use serde::Serialize;
@@ -31,7 +31,7 @@ pub fn ruled_out(search: &Search) -> Result<Vec<RuledOut>> {
     let by_machine = |limit: &&Limit| !limit.quantity.is_error();
     let limits: Vec<Limit> = search.limits.iter().filter(by_machine).cloned().collect();
     let together = best_of(search, &limits)?;
-    if missed(&limits, None, &together) <= 0.0 {
+    if are_held(&limits, &together) {
         return Ok(Vec::new());
     }
     let mut found = Vec::new();
@@ -39,9 +39,8 @@ pub fn ruled_out(search: &Search) -> Result<Vec<RuledOut>> {
         let alone = best_of(search, std::slice::from_ref(limit))?;
         found.extend(failing(limit, &alone, 0.0, &[]));
     }
-    let fps = limits
-        .iter()
-        .find(|limit| limit.quantity == Quantity::FramesPerSecond);
+    let is_rate = |limit: &&Limit| limit.quantity == Quantity::FramesPerSecond;
+    let fps = limits.iter().find(is_rate);
     let others = limits.iter().filter(|limit| Some(*limit) != fps);
     if let (Some(fps), true) = (fps, found.is_empty()) {
         for limit in others {
@@ -49,11 +48,8 @@ pub fn ruled_out(search: &Search) -> Result<Vec<RuledOut>> {
             // The rate is held first, so that what is missed is missed by the other.
             let mut by_rate = search.of_bounds(&pair);
             let reached = best_by(&mut by_rate, &|reached| {
-                [
-                    fps.missed_by(reached),
-                    limit.missed_by(reached),
-                    reached.cost(),
-                ]
+                let [rate, other] = [fps, limit].map(|limit| limit.missed_by(reached));
+                [rate, other, reached.cost()]
             })?;
             found.extend(failing(limit, &reached, MISSED_TOGETHER, &pair[..1]));
         }
@@ -114,20 +110,14 @@ pub fn text(all: &[RuledOut]) -> String {
             quantity if quantity.is_error() => "with every width at its widest",
             _ => "by area alone",
         };
-        let held: Vec<String> = with
-            .iter()
-            .map(|other| {
-                format!(
-                    "{} {}",
-                    other.quantity.show(other.bound),
-                    other.quantity.name()
-                )
-            })
-            .collect();
-        let held = if held.is_empty() {
-            String::new()
-        } else {
-            format!(" while it holds {}", held.join(", "))
+        let other =
+            |Limit {
+                 quantity, bound, ..
+             }: &Limit| { format!("{} {}", quantity.show(*bound), quantity.name()) };
+        let held = with.iter().map(other).collect::<Vec<_>>().join(", ");
+        let held = match with.is_empty() {
+            true => held,
+            false => format!(" while it holds {held}"),
         };
         text += &format!(
             "  {} ({}): asked for {asked} {}, {reached} {} is possible{held}, {by}\n",

@@ -2,16 +2,16 @@
 //!
 //! A point is better if it misses its limits by less, and among points that hold them if it costs less.
 
+use super::cache::Cache;
 use super::evaluator::{DesignError, Evaluator, Reached, work_key};
-use super::limits::{Limit, missed};
+use super::limits::{Limit, are_held};
 use super::space::{Point, Space, SpacePart};
 use super::subject::Choice;
 use crate::machine::area::lane::fixed_lane;
 use crate::plan::DesignVariant;
 use anyhow::Result;
-use std::cell::RefCell;
 use std::cmp::Ordering;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 
 mod moves;
 
@@ -31,9 +31,8 @@ const AT_ONCE: usize = 4;
 
 /// Lexicographic.
 pub fn compare(a: &Score, b: &Score) -> Ordering {
-    let pairs = a.iter().zip(b);
-    pairs
-        .map(|(a, b)| a.total_cmp(b))
+    let mut orders = a.iter().zip(b).map(|(a, b)| a.total_cmp(b));
+    orders
         .find(|order| order.is_ne())
         .unwrap_or(Ordering::Equal)
 }
@@ -55,7 +54,7 @@ pub struct Search<'a> {
     /// Those that a few tiles were enough to refuse.
     refused: Vec<Choice>,
     /// Designs by their places on the axes.
-    designs: RefCell<HashMap<Vec<usize>, DesignVariant>>,
+    designs: Cache<Vec<usize>, DesignVariant>,
     frames: Vec<usize>,
     simulated: usize,
     progress: &'a (dyn Fn(&str) + Sync),
@@ -78,7 +77,7 @@ impl<'a> Search<'a> {
             by_bounds: false,
             drawn: Vec::new(),
             refused: Vec::new(),
-            designs: RefCell::default(),
+            designs: Cache::of_all(),
             frames,
             simulated: 0,
             progress,
@@ -105,23 +104,13 @@ impl<'a> Search<'a> {
 
     /// The design and the machine of a point.
     pub fn choice(&self, point: &[usize]) -> Result<Choice> {
-        let variant = self.variant(point)?;
-        let machine = self.evaluator.subject.machine(self.space, point)?;
-        Ok(Choice { variant, machine })
-    }
-
-    /// The design of a point.
-    fn variant(&self, point: &[usize]) -> Result<DesignVariant> {
-        let axes = self.space.axes.iter().zip(point);
+        let (space, subject) = (self.space, self.evaluator.subject);
+        let axes = space.axes.iter().zip(point);
         let of_design = axes.filter(|(axis, _)| axis.part == SpacePart::Design);
-        let key: Vec<usize> = of_design.map(|(_, index)| *index).collect();
-        let known = self.designs.borrow().get(&key).cloned();
-        if let Some(variant) = known {
-            return Ok(variant);
-        }
-        let variant = self.evaluator.subject.variant(self.space, point)?;
-        self.designs.borrow_mut().insert(key, variant.clone());
-        Ok(variant)
+        let places = of_design.map(|(_, index)| *index).collect();
+        let variant = self.designs.get(places, || subject.variant(space, point))?;
+        let machine = subject.machine(space, point)?;
+        Ok(Choice { variant, machine })
     }
 
     /// What a choice could reach at best on the frames that are searched.
@@ -146,7 +135,7 @@ impl<'a> Search<'a> {
 
     /// Says what is being done, after how much, and what the best so far costs.
     fn tell(&self, what: &str, left: usize) {
-        let holds = |reached: &&Reached| missed(self.limits, None, reached) <= 0.0;
+        let holds = |reached: &&Reached| are_held(self.limits, reached);
         let held = self.known.values().flatten().filter(holds);
         let best = held.map(Reached::cost).min_by(f64::total_cmp);
         let best = best.map_or("none holds all limits yet".to_owned(), |cost| {
@@ -276,9 +265,8 @@ impl<'a> Search<'a> {
         let (points, choices): (Vec<_>, Vec<_>) = batch.iter().cloned().unzip();
         let costs = self.evaluator.costs(&choices, &self.frames, true)?;
         for (place, (point, costs)) in points.into_iter().zip(costs).enumerate() {
-            let reached = self
-                .evaluator
-                .reached(&choices[place], errors[place], &costs);
+            let (choice, error) = (&choices[place], errors[place]);
+            let reached = self.evaluator.reached(choice, error, &costs);
             self.known.insert(point, Some(reached));
         }
         self.simulated += batch.len();

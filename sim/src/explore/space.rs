@@ -128,14 +128,10 @@ impl Space {
         point: &[usize],
         parts: impl Fn(SpacePart) -> bool,
     ) -> Vec<(&str, &Value)> {
-        let chosen = self
-            .axes
-            .iter()
-            .zip(point)
-            .filter(|(axis, _)| parts(axis.part));
-        chosen
-            .map(|(axis, index)| (axis.key.as_str(), &axis.values[*index]))
-            .collect()
+        let axes = self.axes.iter().zip(point);
+        let chosen = axes.filter(|(axis, _)| parts(axis.part));
+        let settings = chosen.map(|(axis, index)| (axis.key.as_str(), &axis.values[*index]));
+        settings.collect()
     }
 
     /// A point's values as its table's line has them.
@@ -171,10 +167,7 @@ fn axis(
             let problem = "no point of a space keeps an order: `simulate` with a --camera-path and --set sort_every=N does";
             return Err(wrong(problem.to_owned()));
         }
-        if let Some(value) = values.iter().find(|value| !setting.accepts(value)) {
-            let allowed = setting.allowed();
-            return Err(wrong(format!("{value} is not allowed: {allowed}")));
-        }
+        check_all(&values, |value| setting.accepts(value), &setting.allowed()).map_err(wrong)?;
         match setting.key.as_str() {
             "tile_width" | "tile_height" => SpacePart::Tile,
             "lanes" | "layout" | "pixel_termination" | "binning" => SpacePart::Lanes,
@@ -188,19 +181,23 @@ fn axis(
     })
 }
 
+/// Refuses the first value that is not accepted.
+fn check_all(
+    values: &[Value],
+    accepts: impl Fn(&Value) -> bool,
+    allowed: &str,
+) -> Result<(), String> {
+    match values.iter().find(|value| !accepts(value)) {
+        Some(value) => Err(format!("{value} is not allowed: {allowed}")),
+        None => Ok(()),
+    }
+}
+
 fn check_design(key: &str, values: &[Value]) -> Result<(), String> {
     if let Some((_, low, high)) = WIDTH_RANGES.iter().find(|(name, ..)| *name == key) {
-        let allowed = |value: &Value| {
-            value
-                .as_integer()
-                .is_some_and(|n| (i64::from(*low)..=i64::from(*high)).contains(&n))
-        };
-        return match values.iter().find(|value| !allowed(value)) {
-            Some(value) => Err(format!(
-                "{value} is not allowed: allowed are {low} to {high}"
-            )),
-            None => Ok(()),
-        };
+        let range = i64::from(*low)..=i64::from(*high);
+        let accepts = |value: &Value| value.as_integer().is_some_and(|n| range.contains(&n));
+        return check_all(values, accepts, &format!("allowed are {low} to {high}"));
     }
     let names: &[&str] = match key {
         "base" => &crate::design::NAMES,
@@ -215,21 +212,12 @@ fn check_design(key: &str, values: &[Value]) -> Result<(), String> {
     };
     // A design's file is as good as a name: what `fit` found is one.
     let known = |name: &str| names.contains(&name) || (key == "base" && name.ends_with(".toml"));
-    match values
-        .iter()
-        .find(|value| !value.as_str().is_some_and(known))
-    {
-        Some(value) => Err(format!(
-            "{value} is not allowed: allowed are {}{}",
-            names.join(", "),
-            if key == "base" {
-                " and files that end in .toml"
-            } else {
-                ""
-            }
-        )),
-        None => Ok(()),
+    let accepts = |value: &Value| value.as_str().is_some_and(known);
+    let mut allowed = format!("allowed are {}", names.join(", "));
+    if key == "base" {
+        allowed += " and files that end in .toml";
     }
+    check_all(values, accepts, &allowed)
 }
 
 /// `{ from, to, step }`, both ends included.
@@ -323,14 +311,8 @@ mod tests {
     fn a_grid_has_every_combination_once_and_dear_axes_first() {
         let text = "[machine]\nlanes = [1, 2]\nlatency = { from = 0, to = 20, step = 10 }\n[design]\nmantissa = 20\n";
         let space = Space::from_toml("s.toml", text).unwrap();
-        assert_eq!(
-            space
-                .axes
-                .iter()
-                .map(|axis| axis.key.as_str())
-                .collect::<Vec<_>>(),
-            ["mantissa", "lanes", "latency"]
-        );
+        let keys: Vec<&str> = space.axes.iter().map(|axis| axis.key.as_str()).collect();
+        assert_eq!(keys, ["mantissa", "lanes", "latency"]);
         let expected: Vec<Vec<usize>> = (0..6).map(|n| vec![0, n / 3, n % 3]).collect();
         assert_eq!(space.points, expected);
     }
@@ -341,14 +323,8 @@ mod tests {
         let space = Space::from_toml("s.toml", text).unwrap();
         for (axis, each) in [(0, 4), (1, 3)] {
             for value in 0..space.axes[axis].values.len() {
-                assert_eq!(
-                    space
-                        .points
-                        .iter()
-                        .filter(|point| point[axis] == value)
-                        .count(),
-                    each
-                );
+                let there = space.points.iter().filter(|point| point[axis] == value);
+                assert_eq!(there.count(), each);
             }
         }
         let other = Space::from_toml("s.toml", &format!("seed = 2\n{text}")).unwrap();
@@ -366,24 +342,31 @@ mod tests {
             message("\n[design]\nmantissa = [40]\n"),
             "s.toml:3: mantissa: 40 is not allowed: allowed are 8 to 31"
         );
-        assert!(message("[design]\nbase = [\"x\"]\n").contains("classic8"));
-        assert!(message("[machine]\nlane = 1\n").contains("s.toml:2: lane: no such field"));
-        assert!(
-            message("[machine]\nsort_every = [1, 4]\n").contains("s.toml:2: sort_every: no point")
-        );
-        assert!(message("[machine]\nlatency = { from = 9, to = 1 }\n").contains("a range is"));
-        assert!(message("samples = 3\n").contains("allowed are sample"));
-        for (from, to, step) in [
+        let range = |from: i64, to: i64, step: i64| {
+            format!("[machine]\nlatency = {{ from = {from}, to = {to}, step = {step} }}\n")
+        };
+        let far = [
             (i64::MIN, i64::MAX, 1),
             (i64::MIN, i64::MAX, i64::MAX),
             (-1, i64::MAX, 1),
             (0, i64::MAX, i64::MAX),
-        ] {
-            let range =
-                format!("[machine]\nlatency = {{ from = {from}, to = {to}, step = {step} }}\n");
-            let printed = message(&range);
-            assert!(printed.contains("s.toml:2: latency: "), "{printed}");
+        ]
+        .map(|(from, to, step)| (range(from, to, step), "s.toml:2: latency: "));
+        let texts = [
+            ("[design]\nbase = [\"x\"]\n", "classic8"),
+            ("[machine]\nlane = 1\n", "s.toml:2: lane: no such field"),
+            (
+                "[machine]\nsort_every = [1, 4]\n",
+                "s.toml:2: sort_every: no point",
+            ),
+            ("[machine]\nlatency = { from = 9, to = 1 }\n", "a range is"),
+            ("samples = 3\n", "allowed are sample"),
+            ("sample = \"latin\"\ncount = 0\n", "s.toml:2: count"),
+        ];
+        let texts = texts.map(|(text, expected)| (text.to_owned(), expected));
+        for (text, expected) in texts.into_iter().chain(far) {
+            let message = message(&text);
+            assert!(message.contains(expected), "{message}");
         }
-        assert!(message("sample = \"latin\"\ncount = 0\n").contains("s.toml:2: count"));
     }
 }

@@ -121,16 +121,11 @@ impl FrameReuse {
         }
         let mut pairs = [0; 2];
         for tile in 0..now.tiles.len() {
-            let known: HashSet<u32> = before
-                .pairs_of(tile)
-                .iter()
-                .map(|pair| pair.splat)
-                .collect();
+            let known = before.pairs_of(tile).iter().map(|pair| pair.splat);
+            let known: HashSet<u32> = known.collect();
             let list = now.pairs_of(tile);
-            pairs[0] += list
-                .iter()
-                .filter(|pair| known.contains(&pair.splat))
-                .count() as u64;
+            let stayed = list.iter().filter(|pair| known.contains(&pair.splat));
+            pairs[0] += stayed.count() as u64;
             pairs[1] += list.len() as u64;
         }
         let both = before.splats.iter().zip(&now.splats);
@@ -203,22 +198,12 @@ fn in_words(statistics: &Statistics) -> String {
 fn chart_of(what: &str, histogram: &Histogram) -> String {
     let members: u64 = histogram.classes.iter().sum();
     let mean = histogram.sum as f64 / members.max(1) as f64;
-    let bars = histogram
-        .classes
-        .iter()
-        .enumerate()
-        .map(|(class, members)| {
-            let name = match class {
-                0 => "0".to_owned(),
-                class => format!("{}", 1u64 << (class - 1)),
-            };
-            (name, *members)
-        });
-    let heading = format!(
-        "{what}: mean {mean:.1}, at most {}",
-        count(histogram.largest)
-    );
-    bars_of(&heading, "from", &bars.collect::<Vec<_>>())
+    let first = |class: usize| class.checked_sub(1).map_or(0, |power| 1u64 << power);
+    let names = (0..).map(|class| first(class).to_string());
+    let bars: Vec<_> = names.zip(histogram.classes.iter().copied()).collect();
+    let largest = count(histogram.largest);
+    let heading = format!("{what}: mean {mean:.1}, at most {largest}");
+    bars_of(&heading, "from", &bars)
 }
 
 fn open_chart(classes: &[u64; TENTHS]) -> String {
@@ -240,12 +225,8 @@ fn name_width(name: &str) -> f64 {
 /// Bars beside each other, with their names below.
 fn bars_of(heading: &str, class: &str, bars: &[(String, u64)]) -> String {
     let (width, height, left) = (430.0, 150.0, 8.0);
-    let most = bars
-        .iter()
-        .map(|(_, members)| *members)
-        .max()
-        .unwrap_or(0)
-        .max(1);
+    let most = bars.iter().map(|(_, members)| *members).max();
+    let most = most.unwrap_or(0).max(1);
     let step = (width - 2.0 * left) / bars.len().max(1) as f64;
     let mut chart = Chart::new(width, height + 44.0, heading);
     // Every bar is named, or every second, or third: names do not touch.
@@ -285,12 +266,8 @@ mod tests {
         let (camera, rules) = (synthetic::camera(50, 41), scene.natural_rules);
         let design = DesignChoice::named("standard24").unwrap();
         let prepared = Prepared::of_splats(scene, camera.clone(), rules, design);
-        zooms.map(|zoom| {
-            prepared
-                .seen_by(camera.zoomed(zoom).unwrap())
-                .workload()
-                .unwrap()
-        })
+        let seen = |zoom| prepared.seen_by(camera.zoomed(zoom).unwrap());
+        zooms.map(|zoom| seen(zoom).workload().unwrap())
     }
 
     /// Every count is of all pixels, tiles, splats or blended pixels of the picture.
@@ -301,16 +278,11 @@ mod tests {
         let members = |histogram: &Histogram| histogram.classes.iter().sum::<u64>();
         assert_eq!(members(&statistics.layers_per_pixel), 50 * 41);
         assert_eq!(statistics.layers_per_pixel.sum, now.totals().live);
-        assert_eq!(
-            statistics.histograms.pairs_per_tile.sum,
-            now.pairs.len() as u64
-        );
-        assert_eq!(
-            members(&statistics.pairs_until_finished),
-            statistics.finished_tiles[0]
-        );
-        let covering = statistics.histograms.covered_per_splat.clone();
-        let covering = members(&covering) - covering.classes[0];
+        let of = &statistics.histograms;
+        assert_eq!(of.pairs_per_tile.sum, now.pairs.len() as u64);
+        let finished = members(&statistics.pairs_until_finished);
+        assert_eq!(finished, statistics.finished_tiles[0]);
+        let covering = members(&of.covered_per_splat) - of.covered_per_splat.classes[0];
         assert_eq!(statistics.open_part_per_splat.iter().sum::<u64>(), covering);
         let reuse = statistics.reuse.unwrap();
         assert_eq!(reuse.pairs[1], now.pairs.len() as u64);

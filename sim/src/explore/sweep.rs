@@ -88,76 +88,46 @@ fn left_out(reason: &str) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::design::DesignChoice;
-    use crate::explore::table::heading;
-    use crate::plan::Prepared;
-    use crate::scene::synthetic;
+    use crate::explore::answer::tests::{space, subject, swept};
 
     const SPACE: &str = "[design]\nbase = [\"lean18\", \"standard24\"]\n[machine]\ntile_width = [8, 16]\nlanes = [1, 4]\n\
                          layout = [\"run\", \"quad\"]\nrow_cycles = [1, 3]\n";
-
-    fn sweep(done: &ResultTable, path: &std::path::Path) {
-        swept(SPACE, done, path).unwrap();
-    }
-
-    fn swept(space: &str, done: &ResultTable, path: &std::path::Path) -> Result<()> {
-        let scene = synthetic::random_gaussians(300, 1, 2.0);
-        let camera = synthetic::camera(48, 32);
-        let space = Space::from_toml("s.toml", space).unwrap();
-        let design = DesignChoice::named("standard24").unwrap();
-        let rules = scene.natural_rules;
-        let prepared = Prepared::of_splats(scene, camera, rules, design);
-        let mut subject = Subject::new(vec![&prepared]).unwrap();
-        subject.draw_references().unwrap();
-        let (out, _) = Appender::open(path, &heading(&space)).unwrap();
-        run(&subject, &space, done, &out, &|| ())
-    }
 
     /// A table of 12 bits has more intervals than a radial index of 9 bits has steps.
     #[test]
     fn points_without_a_design_are_left_out() {
         let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("points.csv");
-        let (none, space) = (
-            ResultTable::default(),
-            "[design]\nradial = [9, 20]\ntable = [10, 12]\n",
-        );
-        swept(space, &none, &path).unwrap();
-        let table = ResultTable::from_csv(&std::fs::read_to_string(&path).unwrap()).unwrap();
+        let subject = subject(&[1.0]);
+        let swept = |name: &str, text: &str| {
+            let path = folder.path().join(name);
+            swept(&subject, &space(text), &ResultTable::default(), &path)
+        };
+        let table = swept("all", "[design]\nradial = [9, 20]\ntable = [10, 12]\n").unwrap();
         assert_eq!(table.rows.len(), 4);
         let reasons: Vec<&str> = table.left_out().collect();
-        assert!(
-            matches!(reasons[..], [reason] if reason.contains("radial = 9")),
-            "{reasons:?}"
-        );
-        std::fs::remove_file(&path).unwrap();
-        let refused = swept("[design]\nradial = [9]\ntable = [12]\n", &none, &path).unwrap_err();
+        let one = matches!(reasons[..], [reason] if reason.contains("radial = 9"));
+        assert!(one, "{reasons:?}");
+        let refused = swept("none", "[design]\nradial = [9]\ntable = [12]\n").unwrap_err();
         assert!(refused.to_string().contains("table = 12"), "{refused}");
     }
 
     #[test]
     fn a_resumed_sweep_gives_the_whole_sweep() {
         let folder = tempfile::tempdir().unwrap();
-        let path = |name: &str| folder.path().join(name);
-        let read = |name: &str| {
-            ResultTable::from_csv(&std::fs::read_to_string(path(name)).unwrap()).unwrap()
-        };
-        sweep(&ResultTable::default(), &path("whole.csv"));
-        let complete = read("whole.csv");
+        let [whole, cut] = ["whole.csv", "cut.csv"].map(|name| folder.path().join(name));
+        let subject = subject(&[1.0]);
+        let swept = |done, path| swept(&subject, &space(SPACE), &done, path).unwrap();
+        let complete = swept(ResultTable::default(), &whole);
         assert_eq!(complete.rows.len(), 32);
-        let left_out = complete
-            .rows
-            .values()
-            .filter(|row| {
-                row.iter()
-                    .any(|f| f.contains("allowed with 2 or more lanes"))
-            })
-            .count();
-        assert_eq!(left_out, 8, "quads of one lane");
-
-        let text = std::fs::read_to_string(path("whole.csv")).unwrap();
-        std::fs::write(path("cut.csv"), &text[..text.len() / 2]).unwrap();
-        sweep(&read("cut.csv"), &path("cut.csv"));
-        assert_eq!(read("cut.csv"), complete);
+        let reasons = complete.left_out().collect::<Vec<_>>();
+        assert_eq!(reasons.len(), 8, "quads of one lane");
+        for reason in reasons {
+            assert!(reason.contains("allowed with 2 or more lanes"), "{reason}");
+        }
+        let text = std::fs::read_to_string(&whole).unwrap();
+        let half = &text[..text.len() / 2];
+        std::fs::write(&cut, half).unwrap();
+        let resumed = swept(ResultTable::from_csv(half).unwrap(), &cut);
+        assert_eq!(resumed, complete);
     }
 }

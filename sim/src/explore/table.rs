@@ -317,9 +317,16 @@ mod tests {
 
     #[test]
     fn what_is_no_table_is_refused() {
-        assert!(ResultTable::from_csv("a,b\n1,2\n").is_err());
-        let message = ResultTable::from_csv("point,a\n1\n").unwrap_err();
-        assert!(message.contains("line 2"), "{message}");
+        for (text, expected) in [
+            ("a,b\n1,2\n", "line 1: not a table of a sweep"),
+            ("point,a\n1\n", "line 2"),
+            ("point,a\n1,x\n1,x\n", "line 3: point 1 a second time"),
+        ] {
+            let message = ResultTable::from_csv(text).unwrap_err();
+            assert!(message.contains(expected), "{message}");
+        }
+        let no_heading = ResultTable::from_csv("poi").unwrap();
+        assert_eq!(no_heading, ResultTable::default(), "no points");
     }
 
     #[test]
@@ -338,34 +345,32 @@ mod tests {
         let fields = fields.map(str::to_owned);
         let line = to_line(&fields);
         assert_eq!(line, "0,'=cmd.toml,'+a,\"'-b,c\",'@d,''e,-1.5,+2e3,-inf\n");
-        let heading =
-            to_line(&["point", "a", "b", "c", "d", "e", "f", "g", "h"].map(str::to_owned));
-        let table = ResultTable::from_csv(&(heading + &line)).unwrap();
+        let heading = ["point", "a", "b", "c", "d", "e", "f", "g", "h"].map(str::to_owned);
+        let table = ResultTable::from_csv(&(to_line(&heading) + &line)).unwrap();
         assert_eq!(table.rows[&0], fields, "read as it was");
-    }
-
-    #[test]
-    fn a_point_twice_is_refused_and_no_heading_is_no_points() {
-        let message = ResultTable::from_csv("point,a\n1,x\n1,x\n").unwrap_err();
-        assert!(
-            message.contains("line 3: point 1 a second time"),
-            "{message}"
-        );
-        assert_eq!(
-            ResultTable::from_csv("poi").unwrap(),
-            ResultTable::default()
-        );
     }
 
     const SPACE: &str = "[machine]\nlanes = [1, 2]\nlayout = [\"run\", \"rows\"]\n";
     const SOUND: &str = "20.5,1e-3,2e-2,-1e-5,0.99,1e-3,1e-2,1e-4,1,2,3,4,0.5,0.5,0.5,81.7,1,60.5,16.5,16.4,16.3,2,1000,2e6,0.5,1,2,3,4,5,6,7,8,900,0.25,";
 
-    fn checked(line: &str, errors: bool) -> Result<(), String> {
-        let space = Space::from_toml("s.toml", SPACE).unwrap();
+    fn space() -> Space {
+        Space::from_toml("s.toml", SPACE).unwrap()
+    }
+
+    /// A row's fields and their digest.
+    fn row(line: &str) -> Vec<String> {
         let mut fields: Vec<String> = line.split(',').map(str::to_owned).collect();
         fields.push(row_digest(&fields));
-        let table = to_line(&heading(&space)) + &to_line(&fields);
-        ResultTable::from_csv(&table)?.check(&space, errors)
+        fields
+    }
+
+    /// A table of the space with one row.
+    fn table(row: &[String]) -> ResultTable {
+        ResultTable::from_csv(&(to_line(&heading(&space())) + &to_line(row))).unwrap()
+    }
+
+    fn checked(line: &str, errors: bool) -> Result<(), String> {
+        table(&row(line)).check(&space(), errors)
     }
 
     /// Whatever result is replaced by what no sweep writes, the point and the column are named.
@@ -379,20 +384,27 @@ mod tests {
                 let mut fields: Vec<&str> = SOUND.split(',').collect();
                 fields[column] = wrong;
                 let message = checked(&format!("1,1,rows,{}", fields.join(",")), true).unwrap_err();
-                assert!(
-                    message.contains("point 1:") && message.contains(name),
-                    "{message}"
-                );
+                let named = message.contains("point 1:") && message.contains(name);
+                assert!(named, "{message}");
             }
         }
-        let without_errors = checked(&format!("1,1,rows,{SOUND}"), false).unwrap_err();
-        assert!(without_errors.contains("psnr_db is '20.5', expected nothing"));
-        let message = |line: &str| checked(line, true).unwrap_err();
-        assert!(
-            message(&format!("1,2,rows,{SOUND}")).contains("lanes is '2', in the space it is '1'")
-        );
-        assert!(message(&format!("4,1,rows,{SOUND}")).contains("points 0 to 3 only"));
-        assert!(message(&format!("1,1,rows,{SOUND}why")).contains("expected nothing"));
+        for (line, errors, expected) in [
+            (
+                format!("1,1,rows,{SOUND}"),
+                false,
+                "psnr_db is '20.5', expected nothing",
+            ),
+            (
+                format!("1,2,rows,{SOUND}"),
+                true,
+                "lanes is '2', in the space it is '1'",
+            ),
+            (format!("4,1,rows,{SOUND}"), true, "points 0 to 3 only"),
+            (format!("1,1,rows,{SOUND}why"), true, "expected nothing"),
+        ] {
+            let message = checked(&line, errors).unwrap_err();
+            assert!(message.contains(expected), "{message}");
+        }
     }
 
     /// A design's file may have any name, and an interruption may cut it anywhere.
@@ -421,17 +433,11 @@ mod tests {
     /// A better result that somebody wrote into a row would change the front.
     #[test]
     fn an_edited_result_is_refused() {
-        let space = Space::from_toml("s.toml", SPACE).unwrap();
-        let line = format!("1,1,rows,{SOUND}");
-        let mut fields: Vec<String> = line.split(',').map(str::to_owned).collect();
-        fields.push(row_digest(&fields));
-        let table = |fields: &[String]| {
-            ResultTable::from_csv(&(to_line(&heading(&space)) + &to_line(fields))).unwrap()
-        };
-        table(&fields).check(&space, true).unwrap();
+        let mut fields = row(&format!("1,1,rows,{SOUND}"));
+        table(&fields).check(&space(), true).unwrap();
         let cycles = table(&fields).column("cycles").unwrap();
         fields[cycles] = "0".to_owned();
-        let message = table(&fields).check(&space, true).unwrap_err();
+        let message = table(&fields).check(&space(), true).unwrap_err();
         assert!(message.contains("point 1: row_digest"), "{message}");
     }
 }

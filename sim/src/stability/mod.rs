@@ -84,20 +84,20 @@ impl StabilityExtent {
 
 /// Measures all cases: `f32`, then the designs, each by its own traversal; the worst of all samples.
 pub fn measure(designs: &[DesignChoice], extent: StabilityExtent) -> Vec<StabilityLine> {
-    let samples: Vec<Vec<StabilityLine>> = (0..extent.samples)
-        .into_par_iter()
-        .map(|sample| {
-            let cases = cases::all(!extent.deep || sample > 0, sample);
-            cases
-                .par_iter()
-                .flat_map(|case| measure_case(case, designs))
-                .collect()
-        })
-        .collect();
+    let sampled = |sample| -> Vec<StabilityLine> {
+        let cases = cases::all(!extent.deep || sample > 0, sample);
+        let lines = cases
+            .par_iter()
+            .flat_map(|case| measure_case(case, designs));
+        lines.collect()
+    };
+    let samples: Vec<_> = (0..extent.samples).into_par_iter().map(sampled).collect();
     let mut samples = samples.into_iter();
     let mut lines = samples.next().unwrap_or_default();
-    for (line, other) in samples.flat_map(|other| (0..other.len()).zip(other).collect::<Vec<_>>()) {
-        lines[line].errors.worsen(&other.errors);
+    for other in samples {
+        for (line, other) in lines.iter_mut().zip(other) {
+            line.errors.worsen(&other.errors);
+        }
     }
     lines
 }
@@ -114,10 +114,8 @@ fn measure_case(case: &Case, designs: &[DesignChoice]) -> Vec<StabilityLine> {
     };
     let mut lines = vec![line("f32", single_errors(case, &weights, &truth, &picture))];
     for design in designs {
-        lines.push(line(
-            &design.name,
-            fixed_errors(case, design, &truth, &picture),
-        ));
+        let errors = fixed_errors(case, design, &truth, &picture);
+        lines.push(line(&design.name, errors));
     }
     lines
 }
@@ -178,25 +176,18 @@ fn fixed_errors(
     let options = fixed::Options::front_to_back(&case.rules, design);
     let drawing = fixed::draw(&case.scene, &case.camera, &options);
     let bounded = design.traversal == Traversal::Spans;
-    let bounds: Vec<Option<ErrorBounds>> = truth
-        .iter()
-        .map(|truth| {
-            let normalised = case.rules.normalised;
-            let of = |t| ErrorBounds::new(&design.widths, t, &case.camera, normalised);
-            truth.as_ref().filter(|_| bounded).map(of)
-        })
-        .collect();
+    let normalised = case.rules.normalised;
+    let bound = |truth| ErrorBounds::new(&design.widths, truth, &case.camera, normalised);
+    let bounded = truth.iter().map(|truth| truth.as_ref().filter(|_| bounded));
+    let bounds: Vec<Option<ErrorBounds>> = bounded.map(|truth| truth.map(bound)).collect();
     let share = pictures::share_of_bound(case, &drawing.picture, exact, truth, &bounds);
     let mut errors = pictures::errors(drawing.picture, exact);
     errors.shares[7] = share;
     let variances = fixed::variances(&case.scene, &case.camera, &options);
     let footprints = fixed::footprints(&case.scene, &case.camera, &options);
     let mut last = None;
-    let splats = footprints
-        .iter()
-        .zip(variances)
-        .zip(truth.iter().zip(&bounds));
-    for ((fixed, variance), (truth, bounds)) in splats {
+    let of_design = footprints.iter().zip(variances);
+    for ((fixed, variance), (truth, bounds)) in of_design.zip(truth.iter().zip(&bounds)) {
         let (Ok(fixed), Some(truth)) = (fixed, truth) else {
             errors.culled_wrongly +=
                 usize::from(fixed.is_ok() != truth.is_some_and(|t| on_screen(case, &t)));

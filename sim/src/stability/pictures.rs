@@ -59,11 +59,8 @@ pub(super) fn errors(mut picture: Picture, truth: &TruePictures) -> StageErrors 
 
 /// Nearest first, ties by index.
 fn by_depth<F>(projected: &[Option<F>], depth: impl Fn(&F) -> f64) -> Vec<(usize, &F)> {
-    let mut order: Vec<(usize, &F)> = projected
-        .iter()
-        .enumerate()
-        .filter_map(|(i, f)| Some((i, f.as_ref()?)))
-        .collect();
+    let all = projected.iter().enumerate();
+    let mut order: Vec<(usize, &F)> = all.filter_map(|(i, f)| Some((i, f.as_ref()?))).collect();
     order.sort_by(|a, b| depth(a.1).total_cmp(&depth(b.1)));
     order
 }
@@ -162,14 +159,11 @@ pub(super) fn share_of_bound(
     let order = by_depth(projected, |f| f.depth);
     let range = fixed::kernel_rules(&case.rules).table_range;
     let pairs = picture.pixels.iter().zip(&truth.picture.pixels);
-    let widths: Vec<Edge> = bounds
+    let edge = |of: &ErrorBounds| of.edge(range);
+    let widths = bounds
         .iter()
-        .map(|bounds| {
-            bounds
-                .as_ref()
-                .map_or_else(Edge::default, |b| b.edge(range))
-        })
-        .collect();
+        .map(|of| of.as_ref().map(edge).unwrap_or_default());
+    let widths: Vec<Edge> = widths.collect();
     let mut largest = 0.0;
     for ((got, expected), at) in pairs.zip(pixels(case)) {
         let mut bound = 0.0;
@@ -189,10 +183,8 @@ pub(super) fn share_of_bound(
 
 /// The picture of single precision, composited in single precision.
 pub(super) fn single(case: &Case, projected: &[Option<SingleFootprint>]) -> Picture {
-    let order: Vec<usize> = by_depth(projected, |f| f.position[2].into())
-        .into_iter()
-        .map(|(index, _)| index)
-        .collect();
+    let order = by_depth(projected, |f| f.position[2].into());
+    let order: Vec<usize> = order.into_iter().map(|(index, _)| index).collect();
     let splats = case.scene.splats.iter();
     let colours: Vec<[f64; 3]> = splats.map(|splat| splat.colour).collect();
     single::picture(projected, &colours, &order, &case.camera, &case.rules)

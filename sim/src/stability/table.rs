@@ -37,9 +37,8 @@ pub fn csv(lines: &[StabilityLine]) -> String {
         } else {
             worse = worse_stages(e, &single);
         }
-        let psnr = e
-            .psnr_db
-            .map_or("exact".to_owned(), |db| format!("{db:.1}"));
+        let psnr = e.psnr_db.map(|db| format!("{db:.1}"));
+        let psnr = psnr.unwrap_or("exact".to_owned());
         let stages = STAGES.map(|(_, of)| format!("{:.1e}", of(e))).join(",");
         text += &format!(
             "\"{}\",{},{stages},{:.1e},{psnr},{},{},{},{worse}\n",
@@ -51,11 +50,8 @@ pub fn csv(lines: &[StabilityLine]) -> String {
 
 /// The stages in which `fixed` has the larger error; `-` if there is none.
 fn worse_stages(fixed: &StageErrors, single: &StageErrors) -> String {
-    let names: Vec<&str> = STAGES
-        .iter()
-        .filter(|(_, of)| of(fixed) > of(single))
-        .map(|(name, _)| *name)
-        .collect();
+    let worse = STAGES.iter().filter(|(_, of)| of(fixed) > of(single));
+    let names: Vec<&str> = worse.map(|(name, _)| *name).collect();
     if names.is_empty() {
         "-".to_owned()
     } else {
@@ -94,12 +90,9 @@ pub fn summary(lines: &[StabilityLine]) -> String {
         decisions.join(", ")
     );
     let needles = pairs(lines).filter(|(single, _)| single.needle);
-    let gains: Vec<(f64, &str)> = needles
-        .map(|(single, fixed)| {
-            let gain = needle_gain(&single.errors, &fixed.errors);
-            (gain, fixed.case.as_str())
-        })
-        .collect();
+    let gain = |single: &StabilityLine, fixed| needle_gain(&single.errors, fixed);
+    let gains = needles.map(|(single, fixed)| (gain(single, &fixed.errors), &*fixed.case));
+    let gains: Vec<(f64, &str)> = gains.collect();
     if let Some((gain, case)) = gains.iter().min_by(|a, b| a.0.total_cmp(&b.0)) {
         let verdict = if *gain >= NEEDLE_BAR {
             "pass"
@@ -127,11 +120,9 @@ pub fn bounds(lines: &[StabilityLine]) -> String {
         let cells = designs.map(|design| {
             let of_design = lines.iter().filter(|line| line.engine == design);
             let share = |line: &&StabilityLine| line.errors.shares[step];
-            of_design
-                .max_by(|a, b| share(a).total_cmp(&share(b)))
-                .map_or_else(String::new, |line| {
-                    format!("{:.2} {}", share(&line), line.case)
-                })
+            let most = of_design.max_by(|a, b| share(a).total_cmp(&share(b)));
+            let cell = most.map(|line| format!("{:.2} {}", share(&line), line.case));
+            cell.unwrap_or_default()
         });
         text += &format!("| {name} | {} |\n", cells.join(" | "));
     }

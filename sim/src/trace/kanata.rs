@@ -17,16 +17,12 @@ type TracedStages = BTreeMap<Stage, (u64, u64)>;
 /// The log of some events.
 pub fn log(events: &[Event]) -> String {
     let mut pairs: BTreeMap<TracedPair, TracedStages> = BTreeMap::new();
-    for event in events
-        .iter()
-        .filter(|event| event.stage != Stage::WriteBack)
-    {
-        let stages = pairs
-            .entry((event.unit, event.tile, event.splat))
-            .or_default();
-        let (start, end) = stages
-            .entry(event.stage)
-            .or_insert((event.start, event.end));
+    let of_pairs = |event: &&Event| event.stage != Stage::WriteBack;
+    for event in events.iter().filter(of_pairs) {
+        let pair = (event.unit, event.tile, event.splat);
+        let stages = pairs.entry(pair).or_default();
+        let times = (event.start, event.end);
+        let (start, end) = stages.entry(event.stage).or_insert(times);
         (*start, *end) = ((*start).min(event.start), (*end).max(event.end));
     }
     let mut order: Vec<(TracedPair, TracedStages)> = pairs.into_iter().collect();
@@ -37,6 +33,7 @@ pub fn log(events: &[Event]) -> String {
     let mut lines: Vec<(u64, u8, String)> = Vec::new();
     for (id, ((unit, tile, splat), stages)) in order.iter().enumerate() {
         let start = begin(stages);
+        let mut end = start;
         lines.push((start, 1, format!("I\t{id}\t{splat}\t{unit}")));
         lines.push((start, 1, format!("L\t{id}\t0\tsplat {splat} tile {tile}")));
         for (stage, (from, to)) in stages {
@@ -46,12 +43,8 @@ pub fn log(events: &[Event]) -> String {
             let to = (*to).max(from + 1);
             lines.push((*from, 2, format!("S\t{id}\t{lane}\t{letter}")));
             lines.push((to, 0, format!("E\t{id}\t{lane}\t{letter}")));
+            end = end.max(to);
         }
-        let end = stages
-            .values()
-            .map(|(from, to)| (*to).max(from + 1))
-            .max()
-            .unwrap_or(start);
         lines.push((end, 3, format!("R\t{id}\t{id}\t0")));
     }
     lines.sort_by_key(|(cycle, rank, _)| (*cycle, *rank));

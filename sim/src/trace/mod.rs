@@ -63,11 +63,10 @@ impl Observer for Recorder {
     fn event(&mut self, event: Event) {
         let wanted = match event.stage {
             // A write-back comes after all other events of its tile and unit.
-            Stage::WriteBack => self
-                .events
-                .iter()
-                .rev()
-                .any(|other| other.tile == event.tile),
+            Stage::WriteBack => {
+                let mut latest = self.events.iter().rev();
+                latest.any(|other| other.tile == event.tile)
+            }
             _ => (self.first..=self.last).contains(&event.splat),
         };
         if wanted {

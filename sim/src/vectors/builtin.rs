@@ -27,23 +27,14 @@ pub fn hard_cases(count: usize, size: [u16; 2], seed: u32) -> (View, Vec<VolumeS
 /// Splats at the ends of formats, of ranges and of roundings, one property each: what random splats meet once in a
 /// billion.
 pub fn stress_cases() -> Vec<VolumeSplat> {
-    const FAR: [i32; 8] = [
-        i32::MIN,
-        -(1 << 30),
-        -513,
-        -512,
-        511,
-        512,
-        1 << 30,
-        i32::MAX,
-    ];
+    const FAR: i32 = 1 << 30;
     let mut splats = vec![usual([0.0; 3]), at_near(), at_far()];
     let mut add = |change: &dyn Fn(&mut VolumeSplat)| {
         let mut splat = usual([0.0, 0.0, 0.5]);
         change(&mut splat);
         splats.push(splat);
     };
-    for exponent in FAR {
+    for exponent in [i32::MIN, -FAR, -513, -512, 511, 512, FAR, i32::MAX] {
         add(&|splat| splat.centre[0].exponent = exponent);
         add(&|splat| splat.centre = splat.centre.map(|c| SoftFloat { exponent, ..c }));
         add(&|splat| splat.axes[1].exponent = exponent);
@@ -94,9 +85,7 @@ pub fn stress_cases() -> Vec<VolumeSplat> {
     }
     // Opacities around 1/255, where the cut-off begins, and around its end and the peak's.
     for step in -3..8 {
-        add(&|splat| {
-            splat.weight = soft(1_077_952_576 + step, -38);
-        });
+        add(&|splat| splat.weight = soft(1_077_952_576 + step, -38));
     }
     for mantissa in [7, 8, 15, 16, 17, 1000] {
         add(&|splat| splat.weight = soft(mantissa, 0));
@@ -105,17 +94,12 @@ pub fn stress_cases() -> Vec<VolumeSplat> {
     for mantissa in [1 << 30, 7 << 28] {
         for exponent in (194..218).chain(-302..-284) {
             add(&|splat| {
+                splat.axes = splat.axes.map(|axis| Axis { exponent, ..axis });
                 splat.axes[0].mantissa[0] = mantissa;
-                splat
-                    .axes
-                    .iter_mut()
-                    .for_each(|axis| axis.exponent = exponent);
             });
         }
         for exponent in -292..-270 {
-            add(&|splat| {
-                splat.axes[0] = axis([1 << 30, mantissa, 0], exponent);
-            });
+            add(&|splat| splat.axes[0] = axis([1 << 30, mantissa, 0], exponent));
         }
     }
     // Long, flat and a little tilted: rows around the length and the shear where centres have fewer bits.
@@ -150,13 +134,9 @@ pub fn stress_cases() -> Vec<VolumeSplat> {
     });
     // Steep and bright, two pixels beside the end of a block of columns: differences leave lanes of 32 bits.
     for step in 0..24 {
-        let right = 0.1500 + 0.0001 * f64::from(step);
-        add(&|splat| {
-            *splat = small(
-                world([3.0 * right, 0.02 * f64::from(step) - 0.25, 3.0]),
-                16.0,
-            );
-        });
+        let place = f64::from(step);
+        let at = world([3.0 * (0.1500 + 0.0001 * place), 0.02 * place - 0.25, 3.0]);
+        add(&|splat| *splat = small(at, 16.0));
     }
     splats.extend(flat_cases());
     splats.extend(far_edges());
@@ -167,27 +147,25 @@ pub fn stress_cases() -> Vec<VolumeSplat> {
 /// Hardly any height: where there is no low-pass filter, the inverse's exponent ends, in the one form of a footprint or
 /// the other, and rows lie so far apart that centres have fewer bits.
 fn flat_cases() -> impl Iterator<Item = VolumeSplat> {
-    /// An axis along the picture's rows and its exponent, and a height and its exponent.
-    const ENDS: [([i32; 3], i32, i32, i32); 5] = [
-        ([858_389_504, 0, -643_792_128], -270, 2_024_673_279, -300),
+    /// An axis along the picture's rows, and a height and its exponent.
+    const ENDS: [(Axis, i32, i32); 5] = [
         (
-            [1_733_005_860, 0, -1_299_754_395],
-            -274,
+            axis([858_389_504, 0, -643_792_128], -270),
+            2_024_673_279,
+            -300,
+        ),
+        (
+            axis([1_733_005_860, 0, -1_299_754_395], -274),
             2_049_975_331,
             -304,
         ),
-        ([1 << 30, 0, -3 << 28], -271, 1 << 30, -299),
-        ([1 << 30, 0, -3 << 28], -274, 1 << 30, -303),
-        ([1 << 30, 2, -3 << 28], -274, 1_700_000_000, -304),
+        (axis([1 << 30, 0, -3 << 28], -271), 1 << 30, -299),
+        (axis([1 << 30, 0, -3 << 28], -274), 1 << 30, -303),
+        (axis([1 << 30, 2, -3 << 28], -274), 1_700_000_000, -304),
     ];
-    let flat = |(width, exponent, height, low)| {
-        let mut splat = usual([0.0, 0.0, 0.5]);
-        splat.axes = [
-            axis(width, exponent),
-            axis([0, height, 0], low),
-            axis([0; 3], 0),
-        ];
-        splat
+    let flat = |(width, height, low)| VolumeSplat {
+        axes: [width, axis([0, height, 0], low), axis([0; 3], 0)],
+        ..usual([0.0, 0.0, 0.5])
     };
     let tilted = |tilt| {
         let mut splat = small(world([0.1, 2.5 / 64.0, 5.0]), 0.5);
@@ -195,27 +173,21 @@ fn flat_cases() -> impl Iterator<Item = VolumeSplat> {
         splat.axes[0] = axis([858_993_459, tilt, -644_245_094], -21);
         splat
     };
-    ENDS.map(flat)
-        .into_iter()
-        .chain([180_000, 100_000].map(tilted))
+    let tilted = [180_000, 100_000].map(tilted);
+    ENDS.map(flat).into_iter().chain(tilted)
 }
 
 /// Needles that begin far beside the picture and end in it: the last bits of extents decide at which pixel.
 fn far_edges() -> impl Iterator<Item = VolumeSplat> {
     (0u32..12).map(|step| {
         // Opacities, and 1/sqrt(2 ln(255 opacity)) for each.
-        let (weight, deviations) = [
-            (0.5, 0.321_143_02),
-            (0.6, 0.315_269_61),
-            (0.8, 0.306_623_85),
-            (0.9, 0.303_283_76),
-        ][step as usize % 4];
+        let choice = step as usize % 4;
+        let weight = [0.5, 0.6, 0.8, 0.9][choice];
+        let deviations = [0.321_143_02, 0.315_269_61, 0.306_623_85, 0.303_283_76][choice];
         let reach = f64::from(2048u32 << (step % 3));
         let place = f64::from(step);
-        let mut splat = small(
-            world([3.0 * (0.02 * place - 0.24 - reach), 0.06 * place - 0.4, 3.0]),
-            weight,
-        );
+        let centre = [3.0 * (0.02 * place - 0.24 - reach), 0.06 * place - 0.4, 3.0];
+        let mut splat = small(world(centre), weight);
         let width = (0.6 * reach * deviations / (1.0 + 1.0 / 1024.0) * 16_384.0) as i32;
         splat.axes[0] = axis([4 * width, 0, -3 * width], -14);
         splat
@@ -224,32 +196,31 @@ fn far_edges() -> impl Iterator<Item = VolumeSplat> {
 
 /// Directions whose slant is rounded with the last of its guard bits.
 fn slants() -> impl Iterator<Item = VolumeSplat> {
-    const CENTRES: [[(i32, i32); 3]; 4] = [
-        [
-            (-1_447_683_977, -29),
-            (-2_123_898_671, -32),
-            (-1_268_099_187, -29),
-        ],
-        [
-            (-1_422_409_378, -29),
-            (2_067_257_454, -32),
-            (-1_217_554_025, -29),
-        ],
-        [
-            (-1_876_433_978, -29),
-            (-1_344_705_664, -34),
-            (-2_044_897_691, -30),
-        ],
-        [
-            (-1_281_711_169, -30),
-            (-2_051_097_418, -32),
-            (-1_086_513_205, -28),
-        ],
+    /// Mantissas, and their exponents.
+    const CENTRES: [([i32; 3], [i32; 3]); 4] = [
+        (
+            [-1_447_683_977, -2_123_898_671, -1_268_099_187],
+            [-29, -32, -29],
+        ),
+        (
+            [-1_422_409_378, 2_067_257_454, -1_217_554_025],
+            [-29, -32, -29],
+        ),
+        (
+            [-1_876_433_978, -1_344_705_664, -2_044_897_691],
+            [-29, -34, -30],
+        ),
+        (
+            [-1_281_711_169, -2_051_097_418, -1_086_513_205],
+            [-30, -32, -28],
+        ),
     ];
-    CENTRES.into_iter().map(|centre| {
-        let mut splat = usual([0.0; 3]);
-        splat.centre = centre.map(|(mantissa, exponent)| soft(mantissa, exponent));
-        splat
+    CENTRES.into_iter().map(|(mantissas, exponents)| {
+        let centre = [0, 1, 2].map(|axis| soft(mantissas[axis], exponents[axis]));
+        VolumeSplat {
+            centre,
+            ..usual([0.0; 3])
+        }
     })
 }
 
@@ -359,7 +330,7 @@ pub(super) fn soft(mantissa: i32, exponent: i32) -> SoftFloat {
     SoftFloat { mantissa, exponent }
 }
 
-fn axis(mantissa: [i32; 3], exponent: i32) -> Axis {
+const fn axis(mantissa: [i32; 3], exponent: i32) -> Axis {
     Axis { mantissa, exponent }
 }
 

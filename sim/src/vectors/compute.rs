@@ -30,7 +30,7 @@ fn compute_with<D: Design>(design: D, subject: &VectorSubject) -> Vec<VectorStag
     let rules = kernel_rules(&subject.rules);
     if subject.systems {
         let mut splats = splats_stage();
-        splats.records = subject.splats.iter().map(|splat| record![splat]).collect();
+        splats.fill(&subject.splats);
         let systems = systems::stages(design, subject);
         return [splats].into_iter().chain(systems).collect();
     }
@@ -63,22 +63,14 @@ fn compute_with<D: Design>(design: D, subject: &VectorSubject) -> Vec<VectorStag
             }
         }
     }
-    let [splats, camera, projected, columns, covariance, opacity] = setup;
-    let [reciprocals, roots, logarithms] = functions::tables();
-    let before = [
-        splats,
-        reciprocals,
-        roots,
-        logarithms,
-        functions::cases(),
-        camera,
-        projected,
-        columns,
-        covariance,
-        opacity,
-        packets,
-    ];
-    before.into_iter().chain(raster.finish()).collect()
+    let [splats, setup @ ..] = setup;
+    let mut stages = vec![splats];
+    stages.extend(functions::tables());
+    stages.push(functions::cases());
+    stages.extend(setup);
+    stages.push(packets);
+    stages.extend(raster.finish());
+    stages
 }
 
 /// The inputs, whose fields are the same for every subject.
@@ -287,18 +279,11 @@ impl<D: Design> RasterStages<D> {
 
     fn finish(self) -> [VectorStage; 4] {
         let widths = self.design.widths();
-        let mut table = VectorStage::new(
-            "table",
-            "entries of the footprint table",
-            &format!("entry:{}.{}", widths.weight + 1, widths.weight),
-        );
-        table.records = self.table.iter().map(|entry| record![*entry]).collect();
-        let mut tile = VectorStage::new(
-            "tile",
-            "the finished picture, row by row",
-            &pixel_fields(&widths),
-        );
-        tile.records = self.picture.iter().map(|pixel| record![pixel]).collect();
+        let entry = format!("entry:{}.{}", widths.weight + 1, widths.weight);
+        let about = "entries of the footprint table";
+        let table = VectorStage::of("table", about, &entry, &self.table);
+        let about = "the finished picture, row by row";
+        let tile = VectorStage::of("tile", about, &pixel_fields(&widths), &self.picture);
         [table, self.runs, self.pixels, tile]
     }
 }

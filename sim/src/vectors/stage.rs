@@ -1,5 +1,6 @@
 //! One stage's records: fields, their places, and the text form.
 
+use super::record::{Words, record};
 use serde::{Deserialize, Serialize};
 
 /// A field of a record.
@@ -95,6 +96,23 @@ impl VectorStage {
         stage
     }
 
+    /// A stage with a record for each of these.
+    pub(super) fn of(
+        name: &'static str,
+        about: &'static str,
+        fields: &str,
+        all: &[impl Words],
+    ) -> Self {
+        let mut stage = VectorStage::new(name, about, fields);
+        stage.fill(all);
+        stage
+    }
+
+    /// Gives it a record for each of these.
+    pub(super) fn fill(&mut self, all: &[impl Words]) {
+        self.records = all.iter().map(|one| record![one]).collect();
+    }
+
     /// One more record.
     pub(super) fn add(&mut self, record: Vec<i64>) {
         self.records.push(record);
@@ -161,11 +179,8 @@ impl VectorStage {
         if too_long {
             return Err(format!("the record has more than {bits} bits"));
         }
-        Ok(self
-            .fields
-            .iter()
-            .map(|field| field.value(&words))
-            .collect())
+        let values = self.fields.iter().map(|field| field.value(&words));
+        Ok(values.collect())
     }
 }
 
@@ -182,27 +197,28 @@ mod tests {
         let mut stage = stage();
         stage.records = vec![vec![-1, 0, 0], vec![0, i64::MIN, 0x11], vec![3, -2, 31]];
         let text = stage.to_text();
-        assert_eq!(
-            text,
-            "// test: \n000000000000000007\n8c0000000000000000\nfffffffffffffffff3\n"
-        );
+        let lines = [
+            "// test: ",
+            "000000000000000007",
+            "8c0000000000000000",
+            "fffffffffffffffff3",
+        ];
+        assert_eq!(text, lines.join("\n") + "\n");
         assert_eq!(stage.parse(&text), Ok(stage.records.clone()));
     }
 
     /// Fields of every width at every place within a word, against one number of 128 bits.
     #[test]
     fn fields_are_the_bits_of_one_number() {
-        for (before, bits) in
-            (1..64usize).flat_map(|before| (1..=64).map(move |bits| (before, bits)))
-        {
+        let all = (1..64usize).flat_map(|before| (1..=64).map(move |bits| (before, bits)));
+        for (before, bits) in all {
             for signed in [false, true] {
                 let sign = if signed { "-" } else { "" };
                 let fields = format!("before:{before} field:{sign}{bits}");
                 let mut stage = VectorStage::new("test", "", &fields);
                 let mask = u64::MAX >> (64 - bits);
-                for word in
-                    [0, 1, u64::MAX, 1 << (bits - 1), 0x9e37_79b9_7f4a_7c15].map(|w| w & mask)
-                {
+                let words = [0, 1, u64::MAX, 1 << (bits - 1), 0x9e37_79b9_7f4a_7c15];
+                for word in words.map(|word| word & mask) {
                     let negative = signed && word >> (bits - 1) == 1;
                     let value = if negative { word | !mask } else { word } as i64;
                     let digits = (before + bits).div_ceil(4);
@@ -218,19 +234,11 @@ mod tests {
 
     #[test]
     fn what_is_not_a_record_is_named() {
-        assert_eq!(
-            stage().parse("\n// only a comment\n00_07\n"),
-            Ok(vec![vec![-1, 0, 0]])
-        );
-        assert!(
-            stage()
-                .parse("1\nxx")
-                .unwrap_err()
-                .starts_with("line 2: 'x' is not")
-        );
-        assert_eq!(
-            stage().parse("1ff0000000000000000000"),
-            Err("line 1: the record has more than 72 bits".to_owned())
-        );
+        let comment = stage().parse("\n// only a comment\n00_07\n");
+        assert_eq!(comment, Ok(vec![vec![-1, 0, 0]]));
+        let undefined = stage().parse("1\nxx").unwrap_err();
+        assert!(undefined.starts_with("line 2: 'x' is not"), "{undefined}");
+        let long = stage().parse("1ff0000000000000000000").unwrap_err();
+        assert_eq!(long, "line 1: the record has more than 72 bits");
     }
 }

@@ -378,9 +378,7 @@ fn spheres<D: Design>(design: D, subject: &VectorSubject, rules: &Rules) -> Vect
             deviation.mantissa = deviation.mantissa.saturating_add(more);
         }
         let words = found(deviation).map(|found| {
-            let slant = found
-                .slant
-                .map_or([0; 2], |slant| [slant.mantissa, slant.exponent]);
+            let slant = found.slant.unwrap_or(soft(0, 0));
             record![found.footprint; found.spread; slant; found.end]
         });
         let operands = record![deviation; weight; ellipse as i64; index as i64];
@@ -396,14 +394,9 @@ fn perspective_entries() -> [u32; PERSPECTIVE_ENTRIES] {
 }
 
 fn perspective() -> VectorStage {
-    let mut stage = VectorStage::new(
-        "perspective",
-        "entries of the two-index table, row by row of the spread",
-        "entry:32.28",
-    );
+    let about = "entries of the two-index table, row by row of the spread";
     let entries = perspective_entries();
-    stage.records = entries.iter().map(|entry| record![entry]).collect();
-    stage
+    VectorStage::of("perspective", about, "entry:32.28", &entries)
 }
 
 fn indices(widths: &Widths, subject: &VectorSubject) -> VectorStage {

@@ -70,6 +70,7 @@ mod tests {
     use super::*;
     use crate::area::{Family, estimate};
     use crate::config::Config;
+    use crate::tests::with_line;
     use splatline::format::{Deep32, Traversal};
 
     #[test]
@@ -104,9 +105,8 @@ mod tests {
                     "shapes" => format!("[[512, {wrong}]]"),
                     _ => wrong.to_owned(),
                 };
-                let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
-                lines[place] = format!("{key} = {value}");
-                let read = Calibration::from_toml("p.toml", &lines.join("\n"));
+                let text = with_line(&text, place, &format!("{key} = {value}"));
+                let read = Calibration::from_toml("p.toml", &text);
                 assert!(read.is_err(), "{key} = {value}");
                 tried += 1;
             }

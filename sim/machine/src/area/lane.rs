@@ -159,6 +159,7 @@ pub fn in_format(
 
 #[cfg(test)]
 mod tests {
+    use super::super::estimate;
     use super::*;
     use splatline::format::{Lean18, Standard24};
 
@@ -205,23 +206,13 @@ mod tests {
     fn a_machine_in_a_format_differs_by_its_lanes_alone() {
         let prices = Family::Xilinx7.calibration();
         let config = Config::primitive(4);
-        let area = |widths: &Widths| {
-            super::super::estimate(
-                widths,
-                splatline::format::Traversal::Spans,
-                &config,
-                &prices,
-            )
-        };
         for widths in [Lean18::WIDTHS, Standard24::WIDTHS] {
-            let fixed = area(&widths);
+            let fixed = estimate(&widths, Traversal::Spans, &config, &prices);
             let half = in_format(fixed, &lane("fp16"), &widths, &config, &prices);
             assert_eq!(half.around, fixed.around);
             assert_eq!(half.raster.memory_kbit, fixed.raster.memory_kbit);
-            let units = [
-                lane("fp16").units(prices.family),
-                fixed_lane(&widths, &prices),
-            ];
+            let float = lane("fp16").units(prices.family);
+            let units = [float, fixed_lane(&widths, &prices)];
             let [float, own] = units.map(|units| prices.weight(&units.fabric) * 4.0);
             assert!((half.weight - fixed.weight - float + own).abs() < 1e-6);
         }

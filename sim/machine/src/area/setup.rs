@@ -175,7 +175,7 @@ fn odd_kbit(units: &[SetupUnit], family: Family) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use splatline::format::{Lean18, Standard24};
+    use splatline::format::{Lean18, Standard24, Traversal};
 
     #[test]
     fn the_table_is_whole_and_of_todays_widths() {
@@ -188,11 +188,10 @@ mod tests {
             for cores in FITTED_CORES {
                 let same = |unit: &&SetupUnit| unit.design == name && unit.cores == cores;
                 let unit = units.iter().find(same).unwrap();
-                assert_eq!(
-                    (unit.position, unit.mantissa, Some(unit.round)),
-                    (widths.position, widths.mantissa, round(&units, &widths)),
-                    "{name}: synthesise it anew"
-                );
+                let own = [unit.position, unit.mantissa];
+                let todays = [widths.position, widths.mantissa];
+                assert_eq!(own, todays, "{name}: synthesise it anew");
+                assert_eq!(Some(unit.round), round(&units, &widths), "{name}");
             }
         }
         assert!(lines_of::<SetupUnit>("design,widths\nlean18,30\n").is_err());
@@ -207,30 +206,23 @@ mod tests {
         let widths = Lean18::WIDTHS;
         let nine = estimate(&units, Family::Ecp5, widths.mantissa, 9);
         assert_eq!(of_machine(&widths, &machine, &prices), nine);
-        let fast = Config {
+        let [fast, eight] = [7, 8].map(|setup_interval| Config {
             setup_units: 1,
-            setup_interval: 7,
+            setup_interval,
             ..machine
-        };
-        let eight = Config {
-            setup_interval: 8,
-            ..fast
-        };
-        let around = |config: &Config, prices: &Calibration| {
-            crate::area::estimate(&widths, splatline::format::Traversal::Spans, config, prices)
+        });
+        let around = |config: &Config| {
+            crate::area::estimate(&widths, Traversal::Spans, config, &prices)
                 .around
+                .luts
         };
         assert_eq!(of_machine(&widths, &fast, &prices), None);
         assert!(of_machine(&widths, &eight, &prices).is_some());
-        assert_eq!(
-            of_machine(&widths, &machine, &Family::Ice40.calibration()),
-            None
-        );
-        let queues = around(&machine, &prices).luts - nine.map_or(0, |nine| nine.luts);
-        assert_eq!(
-            around(&eight, &prices).luts - queues,
-            estimate(&units, Family::Ecp5, widths.mantissa, 17).map_or(0, |unit| unit.luts)
-        );
+        let ice40 = Family::Ice40.calibration();
+        assert_eq!(of_machine(&widths, &machine, &ice40), None);
+        let seventeen = estimate(&units, Family::Ecp5, widths.mantissa, 17);
+        let [nine, seventeen] = [nine, seventeen].map(|unit| unit.unwrap().luts);
+        assert_eq!(around(&eight) - around(&machine), seventeen - nine);
     }
 
     #[test]

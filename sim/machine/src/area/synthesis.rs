@@ -249,8 +249,8 @@ mod tests {
         let lines = synthesised();
         assert_eq!(to_csv(&lines), CSV);
         for line in &lines {
-            let subject = subjects()
-                .into_iter()
+            let mut subjects = subjects().into_iter();
+            let subject = subjects
                 .find(|subject| subject.name == line.design)
                 .unwrap();
             // The circuit knows no positions.
@@ -261,18 +261,13 @@ mod tests {
             };
             assert_eq!(widths, line.widths, "{}: synthesise it anew", line.design);
         }
+        use SynthesisedPart::{Lanes, Rows, Setup};
         for family in Family::ALL {
             for design in ["lean18", "standard24"] {
-                for part in [
-                    SynthesisedPart::Setup(1),
-                    SynthesisedPart::Setup(SETUP_INTERVAL),
-                    SynthesisedPart::Rows,
-                    SynthesisedPart::Lanes(1),
-                    SynthesisedPart::Lanes(4),
-                ] {
-                    assert!(lines.iter().any(|line| line.design == design
-                        && line.family == family
-                        && line.part == part));
+                for part in [Setup(1), Setup(SETUP_INTERVAL), Rows, Lanes(1), Lanes(4)] {
+                    let of = |line: &&Synthesised| (line.family, line.part) == (family, part);
+                    let mut designs = lines.iter().filter(of).map(|line| line.design.as_str());
+                    assert!(designs.any(|name| name == design), "{design}: {part:?}");
                 }
             }
         }
@@ -283,10 +278,8 @@ mod tests {
     fn estimates_are_within_a_tenth_of_synthesis() {
         for family in Family::ALL {
             let AreaErrors { fitted, unseen } = errors(family);
-            assert!(
-                fitted < 0.1 && unseen.is_none_or(|unseen| unseen < 0.1),
-                "{family:?}: {fitted}, {unseen:?}"
-            );
+            let worst = unseen.unwrap_or(0.0).max(fitted);
+            assert!(worst < 0.1, "{family:?}: {fitted}, {unseen:?}");
         }
     }
 

@@ -1,4 +1,5 @@
 use super::*;
+use crate::tests::changed;
 use splatline::format::{Classic8, Deep32, Lean18, Standard24};
 
 fn area(widths: &Widths, config: &Config, family: Family) -> Area {
@@ -8,13 +9,13 @@ fn area(widths: &Widths, config: &Config, family: Family) -> Area {
 #[test]
 fn designs_are_ranked_by_their_widths() {
     for family in Family::ALL {
-        let areas = [
+        let widths = [
             Classic8::WIDTHS,
             Lean18::WIDTHS,
             Standard24::WIDTHS,
             Deep32::WIDTHS,
-        ]
-        .map(|widths| area(&widths, &Config::default(), family).weight);
+        ];
+        let areas = widths.map(|widths| area(&widths, &Config::default(), family).weight);
         assert!(
             areas.is_sorted() && areas[3] > 1.5 * areas[0],
             "{family:?}: {areas:?}"
@@ -26,18 +27,10 @@ fn designs_are_ranked_by_their_widths() {
 fn more_of_anything_is_never_smaller() {
     for family in Family::ALL {
         let base = area(&Standard24::WIDTHS, &Config::default(), family);
-        for words in [
-            "lanes=2",
-            "raster_units=2",
-            "rows_at_once=4",
-            "row_fifo=64",
-            "tile_width=64",
-            "setup_units=2",
-            "packet_fifo=512",
-            "pixel_termination=skip",
-        ] {
-            let mut config = Config::default();
-            config.set_words(&[words.to_owned()]).unwrap();
+        let changes = "lanes=2 raster_units=2 rows_at_once=4 row_fifo=64 tile_width=64 setup_units=2 \
+                       packet_fifo=512 pixel_termination=skip";
+        for words in changes.split(' ') {
+            let config = changed(Config::default(), words);
             let more = area(&Standard24::WIDTHS, &config, family);
             // Two banks of a tile may lie in the same blocks as one; a queue of twice the places in the same cells.
             let fits = family == Family::Ice40 && words == "row_fifo=64";
@@ -58,8 +51,7 @@ fn intervals_share_multipliers() {
         "blend_interval=3",
         "setup_interval=8",
     ] {
-        let mut config = Config::default();
-        config.set_words(&[words.to_owned()]).unwrap();
+        let config = changed(Config::default(), words);
         let fewer = area(&Standard24::WIDTHS, &config, Family::Xilinx7);
         let dsps = |area: &Area| area.raster.dsps + area.around.dsps;
         assert!(dsps(&fewer) < dsps(&base), "{words}");
@@ -76,8 +68,7 @@ fn the_estimate_of_a_machine_is_that_of_its_circuits() {
         if line.widths != widths {
             continue;
         }
-        let mut config = Config::primitive(lanes);
-        config.raster_units = 3;
+        let config = changed(Config::primitive(lanes), "raster_units=3");
         let three = area(&widths, &config, line.family).raster;
         let error = three.worst_error(&(line.fabric * 3));
         assert!(error < 0.1, "{:?}, {lanes} lanes: {three}", line.family);
@@ -107,10 +98,8 @@ fn prices_can_be_replaced_and_misspellings_are_told() {
     assert_eq!((own.luts_per_dsp, own.luts.lane.per_bit), (7.0, 9.0));
     assert_eq!(own.luts.lane.at_zero, base.luts.lane.at_zero);
     assert_eq!(own.flip_flops, base.flip_flops);
-    assert_eq!(
-        Calibration::from_toml("c.toml", "").unwrap(),
-        Calibration::default()
-    );
+    let usual = Calibration::from_toml("c.toml", "").unwrap();
+    assert_eq!(usual, Calibration::default());
     for wrong in [
         "lut_overhed = 1.0",
         "family = \"spartan\"",

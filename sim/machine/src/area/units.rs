@@ -75,6 +75,7 @@ pub const LEFT_OUT: &str = "not in the area: the memory's controller and pins (t
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::tests::changed;
 
     #[test]
     fn every_unit_is_there_for_every_family() {
@@ -89,19 +90,14 @@ mod tests {
     #[test]
     fn what_a_scene_needs_is_charged() {
         let prices = Family::Ecp5.calibration();
-        let area = |words: &[&str]| {
-            let mut config = Config::default();
-            let words: Vec<String> = words.iter().map(|word| (*word).to_owned()).collect();
-            config.set_words(&words).unwrap();
-            of_machine(&config, &prices)
-        };
-        let plain = area(&[]);
+        let area = |words: &str| of_machine(&changed(Config::default(), words), &prices);
+        let plain = area("");
         let harmonics = unit("harmonics", Family::Ecp5);
-        assert_eq!(area(&["harmonics_bytes=48"]), plain + harmonics);
+        assert_eq!(area("harmonics_bytes=48"), plain + harmonics);
         let streams = unit("stream", Family::Ecp5) * 2;
         let arbiter = unit("arbiter", Family::Ecp5);
-        assert_eq!(area(&["raster_units=3"]), plain + streams + arbiter);
-        let merged = area(&["sort_bytes=16", "sorter=merge"]);
+        assert_eq!(area("raster_units=3"), plain + streams + arbiter);
+        let merged = area("sort_bytes=16 sorter=merge");
         assert_eq!(merged.luts - plain.luts, 16 * 24);
     }
 }

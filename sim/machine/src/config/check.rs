@@ -153,6 +153,7 @@ impl Config {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::tests::{refused, says};
 
     #[test]
     fn what_cannot_be_sorted_before_it_is_binned_is_refused_by_name() {
@@ -162,17 +163,9 @@ mod tests {
             ("memory_part=ddr3-1600-x16", "memory_part = \"channels\""),
         ] {
             for sorter in ["radix", "merge"] {
-                let mut config = Config {
-                    clock_mhz: 100,
-                    ..Config::machine(4)
-                };
-                let words = [format!("sorter={sorter}"), words.to_owned()];
-                let error = config.set_words(&words).unwrap_err().to_string();
-                let sorter = format!("sorter = \"{sorter}\"");
-                assert!(
-                    error.contains(&sorter) && error.contains(printed),
-                    "{error}"
-                );
+                let words = format!("clock_mhz=100 sorter={sorter} {words}");
+                let error = refused(Config::machine(4), &words);
+                says(&error, &[&format!("sorter = \"{sorter}\""), printed]);
             }
         }
         assert_eq!(Config::named("machine-4"), Some(Config::machine(4)));

@@ -176,47 +176,36 @@ fn unknown(place: &str, key: &str) -> Refused {
 mod tests {
     use super::*;
     use crate::memory::parts::PARTS;
+    use crate::tests::{changed, refused, says};
 
+    /// The resolved file, and a report's machine.
     #[test]
-    fn the_resolved_file_reads_back() {
-        let mut config = Config::default();
-        config
-            .set_words(&[
-                "lanes=4".into(),
-                "layout=rows".into(),
-                "memory.latency=17".into(),
-            ])
-            .unwrap();
-        assert_eq!(from_toml("m.toml", &to_toml(&config)), Ok(config));
+    fn what_is_written_reads_back() {
         assert_eq!(from_toml("m.toml", ""), Ok(Config::default()));
-    }
-
-    #[test]
-    fn a_reports_machine_reads_back() {
-        let mut config = Config::primitive(4);
-        config.set_words(&["memory.latency=17".into()]).unwrap();
-        let text = serde_json::to_string(&config).unwrap();
-        assert_eq!(serde_json::from_str::<Config>(&text).unwrap(), config);
-        let wrong = text.replace("17", "-17");
-        let error = serde_json::from_str::<Config>(&wrong).unwrap_err();
-        assert!(error.to_string().contains("latency"), "{error}");
-    }
-
-    #[test]
-    fn the_primitive_is_a_machine_and_keeps_what_the_circuit_fixes() {
-        for lanes in [1, 2, 4, 8, 16] {
-            let config = Config::named(&format!("primitive-{lanes}")).unwrap();
-            assert_eq!(config.lanes, lanes);
+        let named = |lanes| Config::named(&format!("primitive-{lanes}")).unwrap();
+        let lanes = [1, 2, 4, 8, 16];
+        assert_eq!(lanes.map(|lanes| named(lanes).lanes), lanes);
+        let own = changed(Config::default(), "lanes=4 layout=rows memory.latency=17");
+        for config in lanes.map(named).into_iter().chain([own]) {
             assert_eq!(from_toml("m.toml", &to_toml(&config)), Ok(config));
+            let text = serde_json::to_string(&config).unwrap();
+            assert_eq!(serde_json::from_str::<Config>(&text).unwrap(), config);
         }
+        let wrong = serde_json::to_string(&own).unwrap().replace("17", "-17");
+        let error = serde_json::from_str::<Config>(&wrong).unwrap_err();
+        says(&error.to_string(), &["latency"]);
+    }
+
+    #[test]
+    fn the_primitive_keeps_what_the_circuit_fixes() {
         assert_eq!(Config::named("primitive-3"), None);
-        let mut config = Config::primitive(4);
-        let error = config.set_words(&["rows_at_once=2".into()]).unwrap_err();
-        assert!(error.to_string().contains("needs 1"), "{error}");
-        let mut config = Config::primitive(4);
-        config.set_words(&["splat_cycles=1".into()]).unwrap();
-        let error = config.set_words(&["splat_cycles=2".into()]).unwrap_err();
-        assert!(error.to_string().contains("allows 1 and 4"), "{error}");
+        let error = refused(Config::primitive(4), "rows_at_once=2");
+        says(&error, &["needs 1"]);
+        let error = refused(
+            changed(Config::primitive(4), "splat_cycles=1"),
+            "splat_cycles=2",
+        );
+        says(&error, &["allows 1 and 4"]);
     }
 
     #[test]
@@ -259,65 +248,61 @@ mod tests {
                 let place = format!("m.toml:4: {}.{} = ", setting.section, setting.key);
                 assert!(printed.starts_with(&place), "{printed}");
                 assert!(printed.ends_with(&setting.allowed()), "{printed}");
-                let mut config = Config::default();
                 let word = format!("{}={}", setting.key, value.trim_matches('"'));
-                if config.set_words(std::slice::from_ref(&word)).is_ok() {
-                    panic!("--set {word} was taken");
-                }
+                refused(Config::default(), &word);
             }
-        }
-    }
-
-    /// The name that a memory part once had is told what it is called now.
-    #[test]
-    fn the_old_name_of_a_memory_part_is_told_the_new_one() {
-        for (text, line) in [
-            ("[memory]\npart = \"ddr3-1600-x16\"\n", 2),
-            ("memory.part = 1\n", 1),
-        ] {
-            let printed = from_toml("m.toml", text).unwrap_err().to_string();
-            let expected = format!(
-                "m.toml:{line}: unknown key 'memory.part': the memory is memory_part; the FPGA is the option --part"
-            );
-            assert_eq!(printed, expected);
         }
     }
 
     #[test]
     fn errors_name_key_line_and_range() {
         let message = |text: &str| from_toml("m.toml", text).unwrap_err().to_string();
-        assert_eq!(
-            message("[tile]\n\n[memory]\nlatency = 1000000\n"),
-            "m.toml:4: memory.latency = 1000000: allowed are 0 to 100000"
-        );
-        assert_eq!(
-            message("[lanes]\nlanes = 3\n"),
-            "m.toml:2: lanes.lanes = 3: allowed are 1, 2, 4, 8, 16, 32, 64"
-        );
-        assert_eq!(
-            message("[lanes]\nlayout = \"cube\"\n"),
-            "m.toml:2: lanes.layout = \"cube\": allowed are \"run\", \"aligned\", \"quad\", \"rows\""
-        );
-        assert_eq!(
-            message("[lanes]\nlatency = 3\n"),
-            "m.toml:2: unknown key 'lanes.latency': 'latency' belongs into [memory]"
-        );
-        assert!(message("[memory]\nlatencies = 3\n").contains("did you mean latency"));
-        assert!(
-            message("[lanes]\nlayout = \"quad\"\n")
-                .contains("m.toml:2: layout = \"quad\": allowed with 2")
-        );
-        assert!(message("x = \n").contains("line 1"));
-        assert!(message("tile.tile_width = 9").contains("m.toml:1"));
-        let printed = message("colour = 9");
-        assert!(
-            printed.contains("m.toml:1: unknown key 'colour': the sections are tile, memory"),
-            "{printed}"
-        );
-        let printed = message("[buffer]\nhue = 3\n");
-        assert!(
-            printed.contains("[buffer] has tile_buffers, buffer_banks"),
-            "{printed}"
-        );
+        let renamed =
+            "unknown key 'memory.part': the memory is memory_part; the FPGA is the option --part";
+        for (text, expected) in [
+            (
+                "[tile]\n\n[memory]\nlatency = 1000000\n",
+                "4: memory.latency = 1000000: allowed are 0 to 100000",
+            ),
+            (
+                "[lanes]\nlanes = 3\n",
+                "2: lanes.lanes = 3: allowed are 1, 2, 4, 8, 16, 32, 64",
+            ),
+            (
+                "[lanes]\nlayout = \"cube\"\n",
+                "2: lanes.layout = \"cube\": allowed are \"run\", \"aligned\", \"quad\", \"rows\"",
+            ),
+            (
+                "[lanes]\nlatency = 3\n",
+                "2: unknown key 'lanes.latency': 'latency' belongs into [memory]",
+            ),
+            // The name that a memory part once had is told what it is called now.
+            (
+                "[memory]\npart = \"ddr3-1600-x16\"\n",
+                &format!("2: {renamed}"),
+            ),
+            ("memory.part = 1\n", &format!("1: {renamed}")),
+        ] {
+            assert_eq!(message(text), format!("m.toml:{expected}"));
+        }
+        for (text, expected) in [
+            ("[memory]\nlatencies = 3\n", "did you mean latency"),
+            (
+                "[lanes]\nlayout = \"quad\"\n",
+                "m.toml:2: layout = \"quad\": allowed with 2",
+            ),
+            ("x = \n", "line 1"),
+            ("tile.tile_width = 9", "m.toml:1"),
+            (
+                "colour = 9",
+                "m.toml:1: unknown key 'colour': the sections are tile, memory",
+            ),
+            (
+                "[buffer]\nhue = 3\n",
+                "[buffer] has tile_buffers, buffer_banks",
+            ),
+        ] {
+            says(&message(text), &[expected]);
+        }
     }
 }

@@ -1,20 +1,22 @@
 use super::*;
 use crate::simulate_alone;
-use crate::tests::{machine, workload};
+use crate::tests::{covered_row, machine, small_tiles, workload};
 use crate::workload::{SurfaceCounts, SurfaceWork, Workload};
 use proptest::prelude::*;
 use splatline::format::{Classic8, Lean18, Standard24};
 
 fn estimated(workload: &Workload, config: &Config, table: &EnergyTable) -> Energy {
+    estimated_of(&Standard24::WIDTHS, workload, config, table)
+}
+
+fn estimated_of(
+    widths: &Widths,
+    workload: &Workload,
+    config: &Config,
+    table: &EnergyTable,
+) -> Energy {
     let timing = simulate_alone(workload, config);
-    estimate(
-        None,
-        &Standard24::WIDTHS,
-        Traversal::Spans,
-        config,
-        &timing,
-        table,
-    )
+    estimate(None, widths, Traversal::Spans, config, &timing, table)
 }
 
 /// The same work as if it were a surface's.
@@ -49,16 +51,11 @@ fn with_surfaces(
 
 /// Counts of an action over all components of a unit.
 fn count(energy: &Energy, unit: &str, component: &str, action: &str) -> u64 {
-    let unit = energy
-        .units
-        .iter()
-        .find(|found| found.unit == unit)
-        .unwrap();
-    let found = unit.actions.iter();
-    found
-        .filter(|found| (found.component, found.action) == (component, action))
-        .map(|found| found.count)
-        .sum()
+    let mut units = energy.units.iter();
+    let unit = units.find(|found| found.unit == unit).unwrap();
+    let wanted = |found: &&Action| (found.component, found.action) == (component, action);
+    let found = unit.actions.iter().filter(wanted);
+    found.map(|found| found.count).sum()
 }
 
 proptest! {
@@ -102,7 +99,7 @@ proptest! {
     /// What the pixel path is charged, counted naively over the workload's rows where nothing is left out.
     #[test]
     fn pixels_and_rows_are_those_of_the_workload(workload in workload()) {
-        let config = Config { tile_width: 16, tile_height: 8, tile_termination: 0, ..Config::default() };
+        let config = Config { tile_termination: 0, ..small_tiles() };
         let energy = estimated(&workload, &config, &EnergyTable::default());
         let totals = workload.totals();
         let runs = workload.rows.iter().filter(|row| row.length > 0).count() as u64;
@@ -120,18 +117,8 @@ proptest! {
 
 /// A workload of one tile of 16 x 8 pixels with one splat of two rows.
 fn one_splat() -> Workload {
-    use crate::workload::{Pair, SplatWork, Tile, WorkloadRow};
-    let row = |x, length| WorkloadRow {
-        open: crate::workload::mask(x, length),
-        covered: crate::workload::mask(x, length),
-        x: x as u8,
-        length: length as u8,
-    };
+    use crate::workload::{Pair, SplatWork, Tile};
     Workload {
-        columns: 0,
-        order_changes: None,
-        surface: None,
-        key_bits: 0,
         tile: [16, 8],
         packet_bytes: 48,
         splats: vec![
@@ -152,64 +139,37 @@ fn one_splat() -> Workload {
             first_row: 3,
             visits: true,
         }],
-        rows: vec![row(2, 4), row(3, 2)],
+        rows: vec![covered_row(2, 4, true), covered_row(3, 2, true)],
+        ..Workload::default()
     }
 }
 
 #[test]
 fn narrow_designs_take_less_and_a_table_of_ones_own_is_said_to_be_so() {
-    let workload = one_splat();
-    let config = Config {
-        tile_width: 16,
-        tile_height: 8,
-        ..Config::default()
-    };
-    let timing = simulate_alone(&workload, &config);
+    let (workload, config) = (one_splat(), small_tiles());
     let table = EnergyTable::default();
-    let of =
-        |widths| estimate(None, &widths, Traversal::Spans, &config, &timing, &table).attojoules;
-    let energies = [
-        of(Classic8::WIDTHS),
-        of(Lean18::WIDTHS),
-        of(Standard24::WIDTHS),
-    ];
+    let energies = [Classic8::WIDTHS, Lean18::WIDTHS, Standard24::WIDTHS]
+        .map(|widths| estimated_of(&widths, &workload, &config, &table).attojoules);
     assert!(energies.is_sorted(), "{energies:?}");
     let own = EnergyTable::from_toml("e.toml", &SHIPPED.replace("pj = 1950", "pj = 195")).unwrap();
-    let cheaper = estimate(
-        None,
-        &Standard24::WIDTHS,
-        Traversal::Spans,
-        &config,
-        &timing,
-        &own,
-    );
+    let cheaper = estimated(&workload, &config, &own);
     assert!(cheaper.attojoules < energies[2] && cheaper.text().contains("a table of your own"));
 }
 
 /// Two readers of the export: the one here takes it apart line by line and must find every action again.
 #[test]
 fn the_action_counts_hold_every_action() {
-    let config = Config {
-        tile_width: 16,
-        tile_height: 8,
-        ..Config::default()
-    };
-    let energy = estimated(&one_splat(), &config, &EnergyTable::default());
+    let energy = estimated(&one_splat(), &small_tiles(), &EnergyTable::default());
     let text = action_counts(&energy);
     assert!(text.starts_with(
         "action_counts:\n  version: 0.4\n  local:\n    - name: splatline.fetch.dram_8x8\n"
     ));
     let mut names = std::collections::BTreeSet::new();
-    let components = text
-        .lines()
-        .filter_map(|line| line.strip_prefix("    - name: "));
-    assert!(
-        components.clone().all(|name| names.insert(name)),
-        "a component twice: {text}"
-    );
-    let counts = text
-        .lines()
-        .filter_map(|line| line.trim().strip_prefix("counts: "));
+    let mut components = (text.lines()).filter_map(|line| line.strip_prefix("    - name: "));
+    let once = components.all(|name| names.insert(name));
+    assert!(once, "a component twice: {text}");
+    let lines = text.lines().map(str::trim);
+    let counts = lines.filter_map(|line| line.strip_prefix("counts: "));
     let sum: u64 = counts.map(|count| count.parse::<u64>().unwrap()).sum();
     let actions = energy.units.iter().flat_map(|unit| &unit.actions);
     assert_eq!(sum, actions.map(|action| action.count).sum::<u64>());

@@ -163,6 +163,7 @@ impl Channels {
         let units = u64::from(config.raster_units);
         let read_bandwidth = u64::from(config.read_bandwidth);
         let reading = |bytes: u64| bytes.div_ceil(read_bandwidth);
+        let in_order = config.sorter != Sorter::Passes;
         Channels {
             config: *config,
             splat: reading(config.splat_bytes.into()),
@@ -170,18 +171,15 @@ impl Channels {
             packet: reading(u64::from(packet_bytes + config.list_bytes) * units),
             entry: reading(u64::from(config.list_bytes) * units),
             packet_alone: reading(u64::from(packet_bytes) * units),
-            lists: match config.sorter {
-                Sorter::Passes => None,
-                Sorter::Radix | Sorter::Merge => Some(ListWords {
-                    word: read_bandwidth,
-                    entry: u64::from(config.list_bytes) * units,
-                    left: 0,
-                }),
-            },
+            lists: in_order.then_some(ListWords {
+                word: read_bandwidth,
+                entry: u64::from(config.list_bytes) * units,
+                left: 0,
+            }),
             packet_bytes: packet_bytes.into(),
-            stored: match config.sorter {
-                Sorter::Passes => [config.list_bytes.into(), 0],
-                Sorter::Radix | Sorter::Merge => [0, config.sorted_bytes().into()],
+            stored: match in_order {
+                false => [config.list_bytes.into(), 0],
+                true => [0, config.sorted_bytes().into()],
             },
             latency: config.latency.into(),
             read_bandwidth,

@@ -2,9 +2,9 @@ use super::ListWords;
 use super::dram::Dram;
 use super::parts::{DramPart, PARTS};
 use super::port::{Port, Stream};
-use crate::config::{Config, Sorter};
+use crate::config::Config;
 use crate::lanes::{LaneShape, LaneWork};
-use crate::tests::{machine, workload};
+use crate::tests::{changed, machine, one_workload, small_tiles, workload};
 use crate::timing::{accesses, simulate_alone};
 use crate::workload::{SplatWork, Workload};
 use proptest::prelude::*;
@@ -60,68 +60,36 @@ fn ns(part: &DramPart, clocks: u64) -> f64 {
     clocks as f64 * 1e6 / part.khz as f64
 }
 
-/// Figures of the data sheets in nanoseconds, written here and nowhere else: column access to an open row, to a closed
-/// one, to another one, all to the first data; row cycle; bytes a second; share of refresh.
-struct TestSheet {
-    part: &'static str,
-    hit: f64,
-    miss: f64,
-    conflict: f64,
-    row_cycle: f64,
-    peak: f64,
-    refresh: f64,
-}
+/// A part, nanoseconds to the first data from a closed row, an open one and another one, nanoseconds of a row cycle,
+/// bytes a second, share of refresh.
+type TestSheet = (&'static str, [f64; 3], f64, f64, f64);
 
+/// Figures of the data sheets, written here and nowhere else.
 const SHEETS: [TestSheet; 3] = [
     // CL 3 at 6 ns, tRCD 18 ns, tRP 18 ns, tRC 60 ns, 16 bits at 166 MHz, 60 ns of every 7.8125 us.
-    TestSheet {
-        part: "sdr-166-x16",
-        hit: 18.0,
-        miss: 36.0,
-        conflict: 54.0,
-        row_cycle: 60.0,
-        peak: 333.3e6,
-        refresh: 0.00768,
-    },
+    ("sdr-166-x16", [36.0, 18.0, 54.0], 60.0, 333.3e6, 0.00768),
     // 13.75 ns each, tRAS 35 ns, 1600 million transfers of two bytes, 260 ns of every 7.8 us.
-    TestSheet {
-        part: "ddr3-1600-x16",
-        hit: 13.75,
-        miss: 27.5,
-        conflict: 41.25,
-        row_cycle: 48.75,
-        peak: 3.2e9,
-        refresh: 0.0333,
-    },
+    ("ddr3-1600-x16", [27.5, 13.75, 41.25], 48.75, 3.2e9, 0.0333),
     // RL 28 at 0.625 ns, tRCD 18 ns, tRPpb 18 ns, tRAS 42 ns, 3200 million transfers of four bytes, 280 ns of every
     // 3.904 us.
-    TestSheet {
-        part: "lpddr4-3200-x32",
-        hit: 17.5,
-        miss: 35.5,
-        conflict: 53.5,
-        row_cycle: 60.0,
-        peak: 12.8e9,
-        refresh: 0.0717,
-    },
+    ("lpddr4-3200-x32", [35.5, 17.5, 53.5], 60.0, 12.8e9, 0.0717),
 ];
 
 /// Every part says which sheet and which table in it its figures are from.
 #[test]
 fn every_part_names_its_sheet() {
     for part in PARTS.iter() {
-        assert!(SHEETS.iter().any(|sheet| sheet.part == part.name));
-        let sheet = ["JEDEC", "data sheet"]
-            .iter()
-            .any(|word| part.source.contains(word));
+        assert!(SHEETS.iter().any(|(name, ..)| *name == part.name));
+        let mut sheets = ["JEDEC", "data sheet"].into_iter();
+        let sheet = sheets.any(|word| part.source.contains(word));
         assert!(sheet && part.source.contains("table"), "{}", part.name);
     }
 }
 
 #[test]
 fn rows_cost_what_the_data_sheets_say() {
-    for sheet in &SHEETS {
-        let part = part(sheet.part);
+    for (name, to_data, row_cycle, ..) in SHEETS {
+        let part = part(name);
         let clock = ns(part, 1);
         let mut dram = Dram::new(part);
         let row = part.row_bytes * part.banks;
@@ -130,35 +98,18 @@ fn rows_cost_what_the_data_sheets_say() {
             ns(part, dram.burst(at, address, false).start - at)
         };
         let near = |found: f64, wanted: f64| (wanted - 1e-3..wanted + 1.7 * clock).contains(&found);
-        let found = [
-            data(&mut dram, 0, 0),
-            data(&mut dram, 200, 64),
-            data(&mut dram, 400, row),
-        ];
-        for (found, wanted) in found
-            .into_iter()
-            .zip([sheet.miss, sheet.hit, sheet.conflict])
-        {
-            assert!(
-                near(found, wanted),
-                "{}: {found} ns, not {wanted}",
-                sheet.part
-            );
+        for ((at, address), wanted) in [(0, 0), (200, 64), (400, row)].into_iter().zip(to_data) {
+            let found = data(&mut dram, at, address);
+            assert!(near(found, wanted), "{name}: {found} ns, not {wanted}");
         }
         // Rows of one bank in turn: a row cycle each, or the time to read and close it if that is longer.
         let mut dram = Dram::new(part);
         let first = dram.burst(0, 0, false).start;
-        let last = (1..=4)
-            .map(|turn| dram.burst(0, turn * row, false).start)
-            .last()
-            .unwrap();
-        let each = ns(part, last - first) / 4.0;
+        let turns = (1..=4).map(|turn| dram.burst(0, turn * row, false).start);
+        let each = ns(part, turns.last().unwrap() - first) / 4.0;
         let read_out = ns(part, part.rcd + part.rtp + part.rp);
-        assert!(
-            near(each, sheet.row_cycle.max(read_out)),
-            "{}: {each} ns a row",
-            sheet.part
-        );
+        let expected = row_cycle.max(read_out);
+        assert!(near(each, expected), "{name}: {each} ns a row");
     }
 }
 
@@ -166,28 +117,21 @@ fn rows_cost_what_the_data_sheets_say() {
 /// refreshes as the sheet asks for.
 #[test]
 fn a_stream_has_the_peak_bandwidth_less_refresh() {
-    for sheet in &SHEETS {
-        let part = part(sheet.part);
-        assert!((part.peak_bytes_per_s() as f64 / sheet.peak - 1.0).abs() < 1e-3);
+    for (name, _, _, peak, refresh) in SHEETS {
+        let part = part(name);
+        assert!((part.peak_bytes_per_s() as f64 / peak - 1.0).abs() < 1e-3);
         let share = part.rfc as f64 / part.refi as f64;
-        assert!(
-            (share / sheet.refresh - 1.0).abs() < 0.01,
-            "{}: {share}",
-            sheet.part
-        );
+        assert!((share / refresh - 1.0).abs() < 0.01, "{name}: {share}");
         let mut dram = Dram::new(part);
         let bursts = 200_000;
-        let end = (0..bursts)
-            .map(|burst| dram.burst(0, burst * part.burst_bytes(), false).end)
-            .last()
-            .unwrap();
+        let read = |burst| dram.burst(0, burst * part.burst_bytes(), false).end;
+        let end = (0..bursts).map(read).last().unwrap();
         let seconds = ns(part, end) * 1e-9;
         let bandwidth = (bursts * part.burst_bytes()) as f64 / seconds;
-        let reached = bandwidth / sheet.peak;
+        let reached = bandwidth / peak;
         assert!(
             reached < 1.0 - 0.9 * share && reached > 1.0 - share - 0.02,
-            "{}: {reached} of the peak, refresh takes {share}",
-            sheet.part
+            "{name}: {reached} of the peak, refresh takes {share}"
         );
         assert!(dram.counts.refreshes.abs_diff(end / part.refi) <= 1);
         assert_eq!(dram.counts.reads, bursts);
@@ -196,51 +140,45 @@ fn a_stream_has_the_peak_bandwidth_less_refresh() {
 
 /// What the rules say about two commands, looked up for every pair of them.
 fn check_rules(part: &DramPart, log: &[Issued]) -> Result<(), TestCaseError> {
+    use DramCommand::{Activate, Precharge, Read, Refresh, Write};
     let bursts = part.burst_clocks();
     for (index, later) in log.iter().enumerate() {
         for earlier in &log[..index] {
             let (a, b) = (earlier.command, later.command);
             let same = earlier.bank == later.bank;
             let gap = match (a, b) {
-                (DramCommand::Activate, DramCommand::Activate) if same => part.ras + part.rp,
-                (DramCommand::Activate, DramCommand::Activate) => part.rrd,
-                (DramCommand::Activate, DramCommand::Read | DramCommand::Write) if same => part.rcd,
-                (DramCommand::Activate, DramCommand::Precharge) if same => part.ras,
-                (DramCommand::Precharge, DramCommand::Activate) if same => part.rp,
-                (DramCommand::Read, DramCommand::Precharge) if same => part.rtp,
-                (DramCommand::Write, DramCommand::Precharge) if same => part.cwl + bursts + part.wr,
-                (DramCommand::Read, DramCommand::Read)
-                | (DramCommand::Write, DramCommand::Write) => part.ccd,
-                (DramCommand::Write, DramCommand::Read) => part.cwl + bursts + part.wtr,
-                (DramCommand::Read, DramCommand::Write) => {
-                    (part.cl + bursts).saturating_sub(part.cwl)
-                }
-                (DramCommand::Refresh, DramCommand::Activate) => part.rfc,
-                (DramCommand::Precharge, DramCommand::Refresh) => part.rp,
+                (Activate, Activate) if same => part.ras + part.rp,
+                (Activate, Activate) => part.rrd,
+                (Activate, Read | Write) if same => part.rcd,
+                (Activate, Precharge) if same => part.ras,
+                (Precharge, Activate) if same => part.rp,
+                (Read, Precharge) if same => part.rtp,
+                (Write, Precharge) if same => part.cwl + bursts + part.wr,
+                (Read, Read) | (Write, Write) => part.ccd,
+                (Write, Read) => part.cwl + bursts + part.wtr,
+                (Read, Write) => (part.cl + bursts).saturating_sub(part.cwl),
+                (Refresh, Activate) => part.rfc,
+                (Precharge, Refresh) => part.rp,
                 _ => 0,
             };
             // A bank's rules run in the order of its commands, which are logged in that order; banks may overtake each
             // other.
-            let ordered =
-                same || matches!(
-                    (a, b),
-                    (DramCommand::Refresh, _) | (_, DramCommand::Refresh)
-                ) || (a != DramCommand::Activate
-                    && b != DramCommand::Activate
-                    && a != DramCommand::Precharge
-                    && b != DramCommand::Precharge)
-                    || (a, b) == (DramCommand::Activate, DramCommand::Activate);
+            let ordered = match (a, b) {
+                _ if same => true,
+                (Refresh, _) | (_, Refresh) | (Activate, Activate) => true,
+                (Activate | Precharge, _) | (_, Activate | Precharge) => false,
+                _ => true,
+            };
             prop_assert!(
                 !ordered || later.at >= earlier.at + gap,
                 "{}: {earlier:?} then {later:?}, {gap} clocks apart",
                 part.name
             );
         }
-        let activations: Vec<u64> = log[..=index]
+        let activations = log[..=index]
             .iter()
-            .filter(|found| found.command == DramCommand::Activate)
-            .map(|found| found.at)
-            .collect();
+            .filter(|found| found.command == Activate);
+        let activations: Vec<u64> = activations.map(|found| found.at).collect();
         if let [.., fifth, _, _, _, last] = activations[..] {
             prop_assert!(last >= fifth + part.faw);
         }
@@ -351,50 +289,35 @@ fn writes_are_held_back_and_go_in_batches() {
     assert_eq!(port.counts().writes, 1);
 }
 
+/// List entries of a picture whose lists hold all that their boxes meet.
+fn entries_of(workload: &Workload) -> u64 {
+    let tiles = |splat: &SplatWork| u64::from(splat.tiles);
+    workload.splats.iter().map(tiles).sum()
+}
+
 /// The passes of a sort move each entry twice and take their channel's time where that is longer than the comparisons'.
 #[test]
 fn sort_and_harmonics_are_charged() {
-    let mut runner = proptest::test_runner::TestRunner::deterministic();
-    let workload = proptest::strategy::Strategy::new_tree(&workload(), &mut runner).unwrap();
-    let workload = proptest::strategy::ValueTree::current(&workload);
-    let entries: u64 = workload
-        .splats
-        .iter()
-        .map(|splat| u64::from(splat.tiles))
-        .sum();
+    let workload = one_workload();
+    let entries = entries_of(&workload);
     let narrow = Config {
-        tile_width: 16,
-        tile_height: 8,
         sort_passes: 8,
         sort_bytes: 16,
         read_bandwidth: 8,
         write_bandwidth: 2,
-        ..Config::default()
+        ..small_tiles()
     };
     let timing = simulate_alone(&workload, &narrow);
     assert_eq!(timing.sort, entries * 8 * 16 / 2);
     assert_eq!(timing.bytes.sort_moved, entries * 8 * 16 * 2);
-    let seen = workload
-        .splats
-        .iter()
-        .filter(|splat| splat.tiles > 0)
-        .count() as u64;
-    let with = Config {
-        harmonics_bytes: 96,
-        ..narrow
-    };
+    let seen = workload.visible() as u64;
+    let with = changed(narrow, "harmonics_bytes=96");
     let more = simulate_alone(&workload, &with);
     assert_eq!(more.bytes.harmonics_read, 96 * seen);
-    assert_eq!(
-        more.units["fetch"].busy,
-        timing.units["fetch"].busy + 12 * seen
-    );
+    let fetched = [&more, &timing].map(|timing| timing.units["fetch"].busy);
+    assert_eq!(fetched[0], fetched[1] + 12 * seen);
     // On a part the sort takes at least as long as its bytes take on the bus.
-    let sdr = Config {
-        memory_part: 1,
-        clock_mhz: 100,
-        ..narrow
-    };
+    let sdr = changed(narrow, "clock_mhz=100 memory_part=sdr-166-x16");
     let bytes_a_cycle = part("sdr-166-x16").peak_bytes_per_s() as f64 / 100e6;
     let least = timing.bytes.sort_moved as f64 / bytes_a_cycle;
     assert!(simulate_alone(&workload, &sdr).sort as f64 >= least);
@@ -404,20 +327,13 @@ fn sort_and_harmonics_are_charged() {
 /// filled afterwards.
 #[test]
 fn a_sort_before_the_lists_is_charged_by_splats() {
-    let mut runner = proptest::test_runner::TestRunner::deterministic();
-    let workload = proptest::strategy::Strategy::new_tree(&workload(), &mut runner).unwrap();
-    let mut workload = proptest::strategy::ValueTree::current(&workload);
-    workload.key_bits = 0xff00_ff01;
-    let tiles = |splat: &SplatWork| u64::from(splat.tiles);
-    let entries: u64 = workload.splats.iter().map(tiles).sum();
-    let visible = workload.visible() as u64;
-    let wide = Config {
-        read_bandwidth: 1024,
-        write_bandwidth: 1024,
-        sorter: Sorter::Radix,
-        sort_bytes: 16,
-        ..Config::default()
+    let workload = Workload {
+        key_bits: 0xff00_ff01,
+        ..one_workload()
     };
+    let (entries, visible) = (entries_of(&workload), workload.visible() as u64);
+    let words = "read_bandwidth=1024 write_bandwidth=1024 sorter=radix sort_bytes=16";
+    let wide = changed(Config::default(), words);
     let fill = visible + entries;
     // A pass begins when what the one before wrote is there, and its first splat comes after the latency.
     let waits = 2 * u64::from(wide.latency);
@@ -425,29 +341,17 @@ fn a_sort_before_the_lists_is_charged_by_splats() {
     assert_eq!(timing.sort, 6 * 256 + 3 * visible + fill + 4 * waits);
     assert_eq!(timing.bytes.sort_moved, 3 * 2 * 16 * visible);
     assert_eq!(timing.bytes.sorted_read, 16 * visible);
-    let passes = Config {
-        sorter: Sorter::Passes,
-        ..wide
-    };
+    let passes = changed(wide, "sorter=passes");
     let written = |config: &Config| simulate_alone(&workload, config).bytes.packets_written;
     assert_eq!(written(&wide), written(&passes) + 16 * visible);
     // Two ways and runs of one: as many merges as the count has bits, and the last one feeds the lists.
-    let merge = Config {
-        sorter: Sorter::Merge,
-        sort_run: 1,
-        sort_ways: 2,
-        ..wide
-    };
+    let merge = changed(wide, "sorter=merge sort_run=1 sort_ways=2");
     let merges = u64::from(visible.next_power_of_two().ilog2());
     let timing = simulate_alone(&workload, &merge);
     let written = merges.saturating_sub(1);
     assert_eq!(timing.sort, written * (visible + waits) + fill + waits);
     // The channels limit both.
-    let narrow = Config {
-        read_bandwidth: 4,
-        write_bandwidth: 1,
-        ..wide
-    };
+    let narrow = changed(wide, "read_bandwidth=4 write_bandwidth=1");
     let timing = simulate_alone(&workload, &narrow);
     let filled = fill.max(4 * visible).max(4 * entries);
     // Sums of counts come before anything moves.
@@ -483,14 +387,8 @@ fn culled_splats_take_as_long_as_others() {
         splats: vec![SplatWork::default(); 3],
         ..Workload::default()
     };
-    let config = Config {
-        splat_bytes: 64,
-        read_bandwidth: 64,
-        latency: 10,
-        setup_interval: 20,
-        setup_latency: 500,
-        ..Config::default()
-    };
+    let words = "splat_bytes=64 read_bandwidth=64 latency=10 setup_interval=20 setup_latency=500";
+    let config = changed(Config::default(), words);
     // One splat after the other: read, taken, the latency.
     let timing = simulate_alone(&workload, &config);
     assert_eq!(timing.geometry, 1 + 10 + 2 * 20 + 500);

@@ -165,7 +165,7 @@ pub fn outcome(preset: &'static Preset, workload: &Workload, table: &EnergyTable
     let timing = simulate_alone(&workload, &config);
     let mut units = of(&design.widths, design.traversal, &config, &timing, table);
     if let Some(operations) = &preset.float {
-        replace(&mut units, operations, &timing, table);
+        replace(&mut units, operations, &timing);
     }
     let path = units.iter().filter(|unit| PIXEL_PATH.contains(&unit.name));
     let actions = path.flat_map(|unit| &unit.actions);
@@ -180,26 +180,18 @@ pub fn outcome(preset: &'static Preset, workload: &Workload, table: &EnergyTable
 }
 
 /// Puts floating-point units into the places of the kernel's. A pixel has four numbers.
-fn replace<'t>(
-    units: &mut [UnitActions<'t>],
-    operations: &Operations,
-    timing: &Timing,
-    table: &'t EnergyTable,
-) {
-    let pixels = &timing.pixels;
-    let bits = operations.bits;
-    let mut put = |name: &'static str, count: u64, operations: [u64; 2]| {
-        let mut unit = UnitActions::new(name, table);
-        unit.float(bits, operations, count);
-        if let Some(place) = units.iter_mut().find(|unit| unit.name == name) {
-            *place = unit;
-        }
-    };
-    put("splat_setup", pixels.pairs, operations.pair);
-    put("row_generator", pixels.rows, operations.row);
-    put("lanes", pixels.visited, operations.tested);
-    put("blend", pixels.live, operations.blended);
+fn replace(units: &mut [UnitActions], operations: &Operations, timing: &Timing) {
+    let (pixels, bits) = (&timing.pixels, operations.bits);
     for unit in units {
+        let (count, own) = match unit.name {
+            "splat_setup" => (pixels.pairs, operations.pair),
+            "row_generator" => (pixels.rows, operations.row),
+            "lanes" => (pixels.visited, operations.tested),
+            "blend" => (pixels.live, operations.blended),
+            _ => continue,
+        };
+        unit.actions.clear();
+        unit.float(bits, own, count);
         match unit.name {
             "lanes" => {
                 unit.float(bits, operations.inside, pixels.covered);

@@ -6,13 +6,14 @@
 
 use super::super::area::{self, Family};
 use super::super::clock::{Clock, Throughput};
-use super::super::energy::{self, EnergyTable};
+use super::super::energy::{self, Energy, EnergyTable};
 use super::super::histogram::Histograms;
 use super::super::lanes::{LaneShape, LaneWork};
 use super::super::memory::Access;
 use super::super::observe::Event;
 use super::super::workload::{Workload, extract};
 use super::super::{Config, Timing, others, simulate_observed, timing};
+use super::changed;
 use crate::design::DesignChoice;
 use crate::fixed::Options;
 use crate::scene::{Scene, synthetic};
@@ -49,14 +50,11 @@ const MACHINES: [&str; 24] = [
 const DESIGNS: [&str; 4] = ["classic8", "lean18", "standard24", "deep32"];
 
 fn machine(words: &str) -> Config {
-    let mut words: Vec<String> = words.split_whitespace().map(str::to_owned).collect();
-    let named = words.first().and_then(|name| Config::named(name));
-    if named.is_some() {
-        words.remove(0);
+    let (name, others) = words.split_once(' ').unwrap_or((words, ""));
+    match Config::named(name) {
+        Some(named) => changed(named, others),
+        None => changed(Config::default(), words),
     }
-    let mut config = named.unwrap_or_default();
-    config.set_words(&words).unwrap();
-    config
 }
 
 fn work(scene: &Scene, design: &DesignChoice, config: &Config) -> Workload {
@@ -70,8 +68,28 @@ fn checksum(result: &impl serde::Serialize) -> u32 {
     crc32fast::hash(serde_json::to_string(result).unwrap().as_bytes())
 }
 
+/// The cells of a timing and an energy: both in numbers and as checksums.
+fn cells(timing: &Timing, energy: &Energy) -> String {
+    format!(
+        "{},{},{},{},{},{},{:08x},{:08x}",
+        timing.total,
+        timing.geometry,
+        timing.sort,
+        timing.raster,
+        timing.bytes.all(),
+        energy.attojoules,
+        checksum(timing),
+        checksum(&energy.units)
+    )
+}
+
+fn checksum_of_words(words: impl Iterator<Item = u64>) -> u32 {
+    let bytes: Vec<u8> = words.flat_map(u64::to_le_bytes).collect();
+    crc32fast::hash(&bytes)
+}
+
 fn checksum_of_events(events: &[Event]) -> u32 {
-    let words = events.iter().flat_map(|event| {
+    checksum_of_words(events.iter().flat_map(|event| {
         let Event {
             unit,
             stage,
@@ -84,17 +102,12 @@ fn checksum_of_events(events: &[Event]) -> u32 {
         } = *event;
         let places = [unit, stage as u32, lane, tile, splat, row];
         places.map(u64::from).into_iter().chain([start, end])
-    });
-    let bytes: Vec<u8> = words.flat_map(u64::to_le_bytes).collect();
-    crc32fast::hash(&bytes)
+    }))
 }
 
 fn checksum_of_requests(accesses: &[Access]) -> u32 {
-    let words = accesses
-        .iter()
-        .flat_map(|access| [access.cycle, access.address, access.write.into()]);
-    let bytes: Vec<u8> = words.flat_map(u64::to_le_bytes).collect();
-    crc32fast::hash(&bytes)
+    let words = |access: &Access| [access.cycle, access.address, access.write.into()];
+    checksum_of_words(accesses.iter().flat_map(words))
 }
 
 /// One machine with one design on one picture.
@@ -105,24 +118,11 @@ fn row(words: &str, name: &str, design: &DesignChoice, workload: &Workload) -> S
     let timing: Timing = simulate_observed(workload, &work, &config, &mut events);
     let requests = timing::accesses(workload, &work, &config).unwrap_or_default();
     let (widths, traversal) = (&design.widths, design.traversal);
-    let energy = energy::estimate(
-        None,
-        widths,
-        traversal,
-        &config,
-        &timing,
-        &EnergyTable::default(),
-    );
+    let table = EnergyTable::default();
+    let energy = energy::estimate(None, widths, traversal, &config, &timing, &table);
     let mut line = format!(
-        "{words},{name},{},{},{},{},{},{},{:08x},{:08x},{:08x},{:08x},{:08x}",
-        timing.total,
-        timing.geometry,
-        timing.sort,
-        timing.raster,
-        timing.bytes.all(),
-        energy.attojoules,
-        checksum(&timing),
-        checksum(&energy.units),
+        "{words},{name},{},{:08x},{:08x},{:08x}",
+        cells(&timing, &energy),
         checksum(&Histograms::new(&work, &config, workload.splats.len())),
         checksum_of_events(&events),
         checksum_of_requests(&requests),
@@ -172,21 +172,9 @@ fn table() -> String {
         let design = preset.design();
         let workload = work(&scene, &design, &preset.config());
         let outcome = others::outcome(preset, &workload, &EnergyTable::default());
-        let _ = writeln!(
-            text,
-            "{},{},{},{},{},{},{},{},{:08x},{:08x},{}",
-            preset.name,
-            design.name,
-            outcome.timing.total,
-            outcome.timing.geometry,
-            outcome.timing.sort,
-            outcome.timing.raster,
-            outcome.timing.bytes.all(),
-            outcome.energy.attojoules,
-            checksum(&outcome.timing),
-            checksum(&outcome.energy.units),
-            outcome.products
-        );
+        let cells = cells(&outcome.timing, &outcome.energy);
+        let (name, design, products) = (&preset.name, &design.name, outcome.products);
+        let _ = writeln!(text, "{name},{design},{cells},{products}");
     }
     text
 }

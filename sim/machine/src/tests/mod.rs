@@ -8,6 +8,63 @@ mod properties;
 use super::config::{Assignment, Binning, Config, LaneLayout, Overlap, Termination};
 use super::workload::{Pair, SplatWork, Tile, Workload, WorkloadRow, mask};
 use proptest::prelude::*;
+use proptest::sample::select;
+use proptest::strategy::ValueTree;
+use proptest::test_runner::TestRunner;
+
+/// A machine with settings changed by words, `key=value` each, of which the machine must be one.
+pub(crate) fn changed(mut config: Config, words: &str) -> Config {
+    let words: Vec<String> = words.split_whitespace().map(str::to_owned).collect();
+    config.set_words(&words).unwrap();
+    config
+}
+
+/// What a machine is told that is no machine once it is changed by these words.
+pub(crate) fn refused(mut config: Config, words: &str) -> String {
+    let words: Vec<String> = words.split_whitespace().map(str::to_owned).collect();
+    config.set_words(&words).unwrap_err().to_string()
+}
+
+/// Asserts that a message says all of this.
+#[track_caller]
+pub(crate) fn says(message: &str, all: &[&str]) {
+    for words in all {
+        assert!(message.contains(words), "{words}: {message}");
+    }
+}
+
+/// A settings file in which a line, counted from 0, is another one.
+pub(crate) fn with_line(text: &str, index: usize, line: &str) -> String {
+    let mut lines: Vec<&str> = text.lines().collect();
+    lines[index] = line;
+    lines.join("\n") + "\n"
+}
+
+/// Tiles of 16 x 8 pixels, as those of [`workload`].
+pub(crate) fn small_tiles() -> Config {
+    Config {
+        tile_width: 16,
+        tile_height: 8,
+        ..Config::default()
+    }
+}
+
+/// One of [`workload`]'s, always the same.
+pub(crate) fn one_workload() -> Workload {
+    let tree = workload().new_tree(&mut TestRunner::deterministic());
+    tree.unwrap().current()
+}
+
+/// A row of which these pixels are covered and visited.
+pub(crate) fn covered_row(x: u32, length: u32, open: bool) -> WorkloadRow {
+    let covered = mask(x, length);
+    WorkloadRow {
+        open: if open { covered } else { 0 },
+        covered,
+        x: x as u8,
+        length: length as u8,
+    }
+}
 
 /// Rows with arbitrary spans and pixels; a quarter of them is empty.
 fn row() -> impl Strategy<Value = WorkloadRow> {
@@ -16,12 +73,11 @@ fn row() -> impl Strategy<Value = WorkloadRow> {
         if length == 0 {
             return WorkloadRow::default();
         }
-        let visited = mask(x, length);
+        let visited = covered_row(x, length, true);
         WorkloadRow {
-            open: open & visited,
-            covered: covered & visited,
-            x: x as u8,
-            length: length as u8,
+            open: open & visited.open,
+            covered: covered & visited.covered,
+            ..visited
         }
     })
 }
@@ -71,42 +127,35 @@ pub(crate) fn workload() -> impl Strategy<Value = Workload> {
 
 /// Machines with small numbers everywhere, so that every limit is met.
 pub(crate) fn machine() -> impl Strategy<Value = Config> {
-    let choices = (0usize..4, 0usize..5, any::<[bool; 4]>(), 1u32..4, 0u32..6);
+    use LaneLayout::{Aligned, Quad, Rows, Run};
+    let choices = (
+        select(vec![Run, Aligned, Quad, Rows]),
+        0usize..5,
+        select(vec![Overlap::Serial, Overlap::Pipelined]),
+        select(vec![Assignment::Static, Assignment::Dynamic]),
+        select(vec![Termination::Skip, Termination::Discard]),
+        select(vec![Binning::Exact, Binning::Box]),
+        1u32..4,
+        0u32..6,
+    );
     let raster = (0u32..9, 0u32..5, 1u32..4, 1u32..4, 1u32..4, 1u32..5);
     let memory = (1u32..100, 1u32..100, 0u32..40, 1u32..5);
     let rest = (0u32..9, 1u32..12, 1u32..3, 1u32..4, 0u32..3, 0u32..3);
     (choices, raster, memory, rest).prop_map(|(choices, raster, memory, rest)| {
-        let (layout, lanes, [serial, fixed, skip, exact], raster_units, tile_termination) = choices;
-        let layout = [
-            LaneLayout::Run,
-            LaneLayout::Aligned,
-            LaneLayout::Quad,
-            LaneLayout::Rows,
-        ][layout];
-        let serial = serial && layout != LaneLayout::Rows;
+        let (layout, lanes, overlap, assignment, pixel_termination, binning, units, checked) =
+            choices;
         Config {
-            tile_width: 16,
-            tile_height: 8,
-            lanes: (1 << lanes).max(if layout == LaneLayout::Quad { 2 } else { 1 }),
+            lanes: (1 << lanes).max(if layout == Quad { 2 } else { 1 }),
             layout,
-            overlap: if serial {
-                Overlap::Serial
-            } else {
-                Overlap::Pipelined
+            overlap: match layout {
+                Rows => Overlap::Pipelined,
+                _ => overlap,
             },
-            assignment: if fixed {
-                Assignment::Static
-            } else {
-                Assignment::Dynamic
-            },
-            pixel_termination: if skip {
-                Termination::Skip
-            } else {
-                Termination::Discard
-            },
-            binning: if exact { Binning::Exact } else { Binning::Box },
-            raster_units,
-            tile_termination,
+            assignment,
+            pixel_termination,
+            binning,
+            raster_units: units,
+            tile_termination: checked,
             splat_cycles: raster.0,
             row_cycles: raster.1,
             rows_at_once: raster.2,
@@ -125,7 +174,7 @@ pub(crate) fn machine() -> impl Strategy<Value = Config> {
             buffer_banks: rest.5,
             setup_fifo: raster.3,
             bin_fifo: raster.4,
-            ..Config::default()
+            ..small_tiles()
         }
     })
 }

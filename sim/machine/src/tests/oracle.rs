@@ -10,18 +10,12 @@ use super::{machine, workload};
 use proptest::prelude::*;
 use std::collections::VecDeque;
 
-#[derive(Clone, Copy)]
-struct OracleLane {
-    free_at: u64,
-}
-
 /// Cycles until the last band of one tile has left the lanes.
 fn ticking(work: &LaneWork, config: &Config, packet_bytes: u32) -> u64 {
     let transfer = u64::from((packet_bytes + config.list_bytes).div_ceil(config.read_bandwidth));
-    let lanes = if config.layout == LaneLayout::Rows {
-        config.lanes as usize
-    } else {
-        1
+    let lanes = match config.layout {
+        LaneLayout::Rows => config.lanes as usize,
+        _ => 1,
     };
     let stretch = u64::from(config.stretch());
     let mut to_fetch: VecDeque<usize> = (0..work.pairs.len()).collect();
@@ -32,21 +26,24 @@ fn ticking(work: &LaneWork, config: &Config, packet_bytes: u32) -> u64 {
     let mut bands: VecDeque<(Band, u64)> = VecDeque::new();
     let mut in_rows: Option<(Band, u64)> = None;
     let mut runs: Vec<VecDeque<Band>> = vec![VecDeque::new(); lanes];
-    let mut lane = vec![OracleLane { free_at: 0 }; lanes];
+    // When each lane is free.
+    let mut lane_at = vec![0; lanes];
     let mut flights: Vec<(Band, u64)> = Vec::new();
     let mut last = 0;
     for now in 0..1_000_000 {
         loop {
             let mut changed = false;
-            for (lane, runs) in lane.iter_mut().zip(&mut runs) {
+            for (free_at, runs) in lane_at.iter_mut().zip(&mut runs) {
+                let may = |band: &Band| {
+                    let mut flights = flights.iter();
+                    flights.all(|flight| may_start(band, flight, now, config))
+                };
                 if let Some(band) = runs.front().copied()
-                    && lane.free_at <= now
-                    && flights
-                        .iter()
-                        .all(|flight| may_start(&band, flight, now, config))
+                    && *free_at <= now
+                    && may(&band)
                 {
-                    lane.free_at = now + u64::from(band.groups) * stretch;
-                    last = last.max(lane.free_at);
+                    *free_at = now + u64::from(band.groups) * stretch;
+                    last = last.max(*free_at);
                     flights.push((band, now));
                     runs.pop_front();
                     changed = true;
@@ -113,23 +110,17 @@ fn ticking(work: &LaneWork, config: &Config, packet_bytes: u32) -> u64 {
 
 /// A pair's bands with the row generator's cycles: a step begins with every `rows_at_once`-th row.
 fn services(work: &LaneWork, pair: usize, config: &Config) -> VecDeque<(Band, u64)> {
-    let first = if pair == 0 {
-        0
-    } else {
-        work.pairs[pair - 1].bands_end as usize
-    };
+    let before = pair.checked_sub(1);
+    let first = before.map_or(0, |before| work.pairs[before].bands_end as usize);
     let mut row = 0;
     let service = |band: &Band| {
-        let begun = (row..row + u32::from(band.rows))
-            .filter(|row| row % config.rows_at_once == 0)
-            .count();
-        row += u32::from(band.rows);
+        let rows = row..row + u32::from(band.rows);
+        row = rows.end;
+        let begun = rows.filter(|row| row % config.rows_at_once == 0).count();
         (*band, begun as u64 * u64::from(config.row_cycles))
     };
-    work.bands[first..work.pairs[pair].bands_end as usize]
-        .iter()
-        .map(service)
-        .collect()
+    let bands = &work.bands[first..work.pairs[pair].bands_end as usize];
+    bands.iter().map(service).collect()
 }
 
 /// The document's interlock in signed numbers.

@@ -3,21 +3,24 @@
 use super::super::config::Config;
 use super::super::primitive::{LaneRun, PrimitiveClock};
 use super::super::simulate_alone;
-use super::super::workload::{Pair, SplatWork, Tile, Workload, WorkloadRow, mask};
-use super::workload;
+use super::super::workload::{Pair, SplatWork, Tile, Workload};
+use super::{covered_row, workload};
 use proptest::prelude::*;
 use std::collections::VecDeque;
+
+/// The primitive with so many lanes, for [`workload`]'s tiles.
+fn primitive(lanes: u32) -> Config {
+    Config {
+        tile_width: 16,
+        tile_height: 8,
+        ..Config::primitive(lanes)
+    }
+}
 
 /// Two tiles without splats between two with one: written while the second one is drawn, as far as there is time before
 /// it is read out.
 #[test]
 fn gaps_of_the_write_channel_take_backgrounds() {
-    let row = |length| WorkloadRow {
-        open: 0,
-        covered: mask(0, length),
-        x: 0,
-        length: length as u8,
-    };
     let drawn = |splats: std::ops::Range<u32>| Pair {
         splat: splats.start,
         rows_end: splats.end,
@@ -32,7 +35,7 @@ fn gaps_of_the_write_channel_take_backgrounds() {
     let picture = |tiles: Vec<Tile>| Workload {
         tile: [16, 8],
         packet_bytes: 48,
-        rows: vec![row(16), row(16)],
+        rows: vec![covered_row(0, 16, false); 2],
         splats: vec![SplatWork::default(); 2],
         pairs: vec![drawn(0..1), drawn(1..2)],
         tiles,
@@ -40,10 +43,8 @@ fn gaps_of_the_write_channel_take_backgrounds() {
     };
     // 128 pixels of 16 bytes: read out in 128 cycles, written in 16 of 128 bytes each.
     let config = Config {
-        tile_width: 16,
-        tile_height: 8,
         write_bandwidth: 128,
-        ..Config::primitive(1)
+        ..primitive(1)
     };
     let raster = |tiles| simulate_alone(&picture(tiles), &config).raster;
     let alone = raster(vec![tile(1), tile(2)]);
@@ -287,7 +288,7 @@ proptest! {
     /// else.
     #[test]
     fn backgrounds_take_what_the_channel_leaves(work in workload(), bandwidth in 1u32..64) {
-        let config = Config { tile_width: 16, tile_height: 8, write_bandwidth: bandwidth, ..Config::primitive(4) };
+        let config = Config { write_bandwidth: bandwidth, ..primitive(4) };
         let mut drawn = work.clone();
         let (mut first, mut empty) = (0, 0);
         drawn.tiles.retain(|tile| {
@@ -308,7 +309,7 @@ proptest! {
     /// Accounts add up (asserted inside), and nothing gets faster with less memory.
     #[test]
     fn the_primitive_as_a_machine(work in workload(), lanes in 0u32..4, bandwidth in 1u32..64) {
-        let config = Config { tile_width: 16, tile_height: 8, ..Config::primitive(1 << lanes) };
+        let config = primitive(1 << lanes);
         let slower = Config { read_bandwidth: bandwidth, write_bandwidth: bandwidth.min(config.write_bandwidth), ..config };
         prop_assert!(simulate_alone(&work, &config).raster <= simulate_alone(&work, &slower).raster);
     }

@@ -7,7 +7,7 @@ use super::super::lanes::{LaneShape, LaneWork};
 use super::super::observe::{Event, Stage};
 use super::super::timing::PixelWork;
 use super::super::workload::{Workload, mask};
-use super::super::{Timing, simulate_alone, simulate_observed};
+use super::super::{simulate_alone, simulate_observed};
 use super::{machine, workload};
 use proptest::prelude::*;
 use std::collections::HashMap;
@@ -167,7 +167,8 @@ proptest! {
     #[test]
     fn a_pixel_is_never_read_before_it_is_written(workload in workload(), config in machine()) {
         let mut events = Vec::new();
-        observed(&workload, &config, &mut events);
+        let work = LaneWork::new(&workload, LaneShape::from(&config));
+        simulate_observed(&workload, &work, &config, &mut events);
         let spans = spans(&workload, &config);
         let mut written: HashMap<(u32, u32, u32), u64> = HashMap::new();
         for event in events.iter().filter(|event| event.stage == Stage::Lanes) {
@@ -197,38 +198,22 @@ proptest! {
     }
 }
 
-fn observed(workload: &Workload, config: &Config, events: &mut Vec<Event>) -> Timing {
-    simulate_observed(
-        workload,
-        &LaneWork::new(workload, LaneShape::from(config)),
-        config,
-        events,
-    )
-}
-
 /// Visited and wanted columns per splat and band.
 fn spans(workload: &Workload, config: &Config) -> HashMap<(u32, u32), (u64, u64)> {
     let mut spans = HashMap::new();
-    let mut first = 0;
-    for pair in &workload.pairs {
-        for (row, y) in workload.rows[first..pair.rows_end as usize]
-            .iter()
-            .zip(u32::from(pair.first_row)..)
-        {
-            let y = if config.layout == LaneLayout::Quad {
-                y / 2
-            } else {
-                y
+    for (number, pair) in workload.pairs.iter().enumerate() {
+        for (y, row) in (u32::from(pair.first_row)..).zip(workload.rows_of(number)) {
+            let y = match config.layout {
+                LaneLayout::Quad => y / 2,
+                _ => y,
             };
-            let wanted = if config.pixel_termination == Termination::Skip {
-                row.open
-            } else {
-                row.visited()
+            let wanted = match config.pixel_termination {
+                Termination::Skip => row.open,
+                Termination::Discard => row.visited(),
             };
             let entry = spans.entry((pair.splat, y)).or_insert((0, 0));
             *entry = (entry.0 | row.visited(), entry.1 | wanted);
         }
-        first = pair.rows_end as usize;
     }
     spans
 }
@@ -237,20 +222,17 @@ fn spans(workload: &Workload, config: &Config) -> HashMap<(u32, u32), (u64, u64)
 fn issues((visited, wanted): &(u64, u64), event: &Event, config: &Config) -> Vec<(u32, u64)> {
     let stride = LaneShape::from(config).stride();
     let low = visited.trailing_zeros();
-    let start = if config.layout == LaneLayout::Run {
-        low
-    } else {
-        low - low % stride
+    let start = match config.layout {
+        LaneLayout::Run => low,
+        _ => low - low % stride,
     };
     let mut issue = event.start;
     let mut columns = Vec::new();
     for group in (start..64 - visited.leading_zeros()).step_by(stride as usize) {
         if wanted & mask(group, stride) != 0 {
-            columns.extend(
-                (group..group + stride)
-                    .filter(|column| *column < 64 && visited >> column & 1 == 1)
-                    .map(|column| (column, issue)),
-            );
+            let all = (group..group + stride).filter(|column| *column < 64);
+            let seen = all.filter(|column| visited >> column & 1 == 1);
+            columns.extend(seen.map(|column| (column, issue)));
             issue += u64::from(config.stretch());
         }
     }

@@ -16,11 +16,11 @@ use crate::rules::Compositing;
 use crate::scene::Scene;
 use rayon::prelude::*;
 use splatline::blend::Pixel;
-use splatline::draw::Painter;
+use splatline::draw::{Painter, cutoff_in_lane};
 use splatline::footprint::Footprint;
 use splatline::footprint::packet::Layout;
-use splatline::format::{Design, Lane, Rounding, RuntimeWidths, Traversal, Widths};
-use splatline::math::{shift_signed, shift_unsigned};
+use splatline::format::{Design, Lane, RuntimeWidths, Traversal, Widths};
+use splatline::math::shift_signed;
 use splatline::raster::{BoxSpans, EllipseSpans, Span, Spans, Window};
 use splatline::setup::Cull;
 use splatline::target::Target;
@@ -176,12 +176,9 @@ impl ExtractJob<'_> {
     fn screen(&self, parts: &[TilePart], widths: &Widths, grid: &Grid) -> Vec<Pixel> {
         let [width, height] = self.viewport.map(usize::from);
         let mut screen = vec![Pixel::clear(widths); width * height];
-        for (tile, part) in parts.iter().enumerate() {
-            let window = grid.window(tile);
-            let (first, columns) = (window.first, usize::from(window.columns()));
-            for (row, pixels) in part.pixels.chunks(columns).enumerate() {
-                let start = (usize::from(first[1]) + row) * width + usize::from(first[0]);
-                screen[start..start + columns].copy_from_slice(pixels);
+        for (rows, part) in grid.split(&mut screen).into_iter().zip(parts) {
+            for (place, pixel) in rows.into_iter().flatten().zip(&part.pixels) {
+                *place = *pixel;
             }
         }
         screen
@@ -261,14 +258,14 @@ impl TilePart {
 
 /// Notes the rows of one footprint in one tile.
 struct Note<'a> {
-    pub footprint: &'a Footprint,
-    pub widths: &'a Widths,
-    pub window: Window,
-    pub first_row: u16,
+    footprint: &'a Footprint,
+    widths: &'a Widths,
+    window: Window,
+    first_row: u16,
 }
 
 impl Note<'_> {
-    pub fn rows<R: Spans>(&self, mut runs: R, target: &mut Target, rows: &mut [WorkloadRow]) {
+    fn rows<R: Spans>(&self, mut runs: R, target: &mut Target, rows: &mut [WorkloadRow]) {
         let drop = runs.fraction() as i32 - i32::from(self.widths.radial);
         while let Some(run) = runs.next_span() {
             // A second seed within a row of the tile continues its run.
@@ -288,8 +285,7 @@ impl Note<'_> {
 
     /// The same comparison as in the painter's lanes.
     fn row<L: Lane>(&self, run: Span<L>, drop: i32, target: &mut Target) -> WorkloadRow {
-        let radial = i32::from(self.widths.radial);
-        let end = shift_unsigned(self.footprint.cutoff.into(), 28 - radial, Rounding::Nearest);
+        let end = cutoff_in_lane(self.footprint.cutoff, self.widths.radial);
         let x = run.x - self.window.first[0];
         let mut row = WorkloadRow {
             open: 0,
@@ -334,10 +330,8 @@ mod tests {
         ] {
             let design = DesignChoice::named(name).unwrap();
             let options = Options {
-                rules: &Rules::GAUSSIAN_3D,
-                compositing: Compositing::FrontToBack,
-                design: &design,
                 traversal,
+                ..spans(&design)
             };
             let workload = extract(&scene, &camera, &options, [16, 8]).unwrap();
             // Back to front no pixel finishes, so the painter's sums are those of a drawing without termination.
@@ -346,17 +340,12 @@ mod tests {
                 ..options.clone()
             };
             let drawn = fixed::draw(&scene, &camera, &all).facts.coverage;
+            let drawn = [drawn.visited, drawn.covered];
             let totals = workload.totals();
-            assert_eq!(
-                (totals.visited, totals.covered),
-                (drawn.visited, drawn.covered),
-                "{name}"
-            );
+            assert_eq!([totals.visited, totals.covered], drawn, "{name}");
             let totals = extract(&scene, &camera, &all, [64, 16]).unwrap().totals();
-            assert_eq!(
-                (totals.visited, totals.covered, totals.live),
-                (drawn.visited, drawn.covered, drawn.covered)
-            );
+            assert_eq!([totals.visited, totals.covered], drawn, "{name}");
+            assert_eq!(totals.live, totals.covered, "{name}");
         }
     }
 
@@ -372,10 +361,8 @@ mod tests {
             extract_in_order(&scene, camera, &options, [16, 16], before, true).unwrap()
         };
         let first = draw(&camera, None);
-        assert_eq!(
-            first.picture,
-            fixed::draw(&scene, &camera, &options).picture
-        );
+        let drawn = fixed::draw(&scene, &camera, &options);
+        assert_eq!(first.picture, drawn.picture);
         let anew = extract(&scene, &camera, &options, [16, 16]).unwrap();
         assert_eq!(first.workload, anew);
         let still = draw(&camera, Some(&first.workload));
@@ -390,14 +377,9 @@ mod tests {
         let old = draw(&moved, Some(&first.workload));
         let changes = old.workload.order_changes.unwrap();
         let entries = old.workload.pairs.iter().filter(|pair| pair.visits).count() as u64;
-        assert!(
-            changes.came > 0 && changes.came < entries && changes.left > 0,
-            "{changes:?}"
-        );
-        assert!(
-            changes.inversions > 0 && changes.inversions < changes.pairs / 2,
-            "{changes:?}"
-        );
+        let some = (1..entries).contains(&changes.came) && changes.left > 0;
+        let few = (1..changes.pairs / 2).contains(&changes.inversions);
+        assert!(some && few, "{changes:?}");
         assert_ne!(old.picture, anew.picture);
         let sorted = |workload: &Workload, tile: usize| {
             let pairs = workload.pairs_of(tile).iter();
@@ -423,12 +405,8 @@ mod tests {
             small.totals().live < small.totals().covered,
             "some pixels must have finished for this test to mean anything"
         );
-        assert!(
-            small
-                .tiles
-                .iter()
-                .any(|tile| tile.finished_after != u32::MAX)
-        );
+        let mut tiles = small.tiles.iter();
+        assert!(tiles.any(|tile| tile.finished_after != u32::MAX));
         assert_eq!(small.visible(), large.visible());
     }
 }

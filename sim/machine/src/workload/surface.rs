@@ -238,10 +238,9 @@ mod tests {
     use super::*;
     use crate::camera::Camera;
     use crate::fixed::surface::draw;
-    use crate::lanes::{LaneShape, LaneWork};
     use crate::scene::points::SurfaceScene;
     use crate::scene::points::synthetic::{Paint, scene, sheet, sphere};
-    use crate::{Config, simulate};
+    use crate::{Config, simulate_alone};
 
     /// A ball through a translucent sheet.
     fn ball_and_sheet() -> SurfaceScene {
@@ -266,32 +265,28 @@ mod tests {
         let design = DesignChoice::named("standard24").unwrap();
         let points = QuantisedPoints::new(&scene, &camera);
         let threshold = 3.0 * 0.05;
+        let culled = Style {
+            cull_backfaces: true,
+            ..Style::layered(threshold, 8)
+        };
         for (style, traversal) in [
             (Style::opaque(threshold), Traversal::Spans),
             (Style::layered(threshold, 1), Traversal::Box),
             (Style::layered(threshold, 2), Traversal::Spans),
-            (
-                Style {
-                    cull_backfaces: true,
-                    ..Style::layered(threshold, 8)
-                },
-                Traversal::Spans,
-            ),
+            (culled, Traversal::Spans),
         ] {
             let drawn = draw(&scene, &camera, &style, &design, traversal);
             let by_tiles = [[16, 16], [64, 8]]
                 .map(|tile| extract_surface(&points, &style, &design, traversal, tile).unwrap());
-            let counts = by_tiles
+            let surfaces = by_tiles
                 .each_ref()
-                .map(|work| work.surface.as_ref().unwrap().counts);
-            assert_eq!(counts[0], counts[1]);
-            let [counts, _] = counts;
+                .map(|work| work.surface.as_ref().unwrap());
+            let [counts, others] = surfaces.map(|work| work.counts);
+            assert_eq!(counts, others);
             let seen = drawn.weights.iter().filter(|weight| **weight > 0.0).count();
             assert_eq!(counts.pixels, seen as u64);
-            assert_eq!(
-                counts.samples,
-                counts.begun + counts.accumulated + counts.discarded
-            );
+            let kept = counts.begun + counts.accumulated;
+            assert_eq!(counts.samples, kept + counts.discarded);
             assert_eq!(counts.merges > 0, drawn.facts.merged > 0);
             assert!(counts.merges >= drawn.facts.merged as u64 && counts.begun >= counts.fragments);
             match style.buffer {
@@ -300,15 +295,12 @@ mod tests {
                 }
                 _ => assert!(counts.discarded == 0 && counts.fragments >= counts.pixels),
             }
-            for workload in &by_tiles {
+            for (workload, surface) in by_tiles.iter().zip(surfaces) {
                 let (totals, drawn) = (workload.totals(), drawn.facts.coverage);
-                assert_eq!(
-                    (totals.visited, totals.covered),
-                    (drawn.visited, drawn.covered)
-                );
+                assert_eq!(totals.visited, drawn.visited);
+                assert_eq!(totals.covered, drawn.covered);
                 assert!(counts.samples <= totals.covered && totals.live == totals.covered);
-                let resolved = &workload.surface.as_ref().unwrap().resolved;
-                let sum: u64 = resolved.iter().map(|count| u64::from(*count)).sum();
+                let sum: u64 = surface.resolved.iter().map(|count| u64::from(*count)).sum();
                 assert_eq!(sum, counts.fragments + 2 * counts.merges);
                 let timed = |resolve_interval| {
                     let config = Config {
@@ -318,25 +310,18 @@ mod tests {
                         resolve_interval,
                         ..Config::default()
                     };
-                    let work = LaneWork::new(workload, LaneShape::from(&config));
-                    simulate(workload, &work, &config)
+                    simulate_alone(workload, &config)
                 };
                 let (fast, slow) = (timed(1), timed(64));
-                assert_eq!(
-                    (fast.sort, fast.splats.sorted, fast.bytes.sort_moved),
-                    (0, 0, 0)
-                );
+                let sorting = [fast.sort, fast.splats.sorted, fast.bytes.sort_moved];
+                assert_eq!(sorting, [0; 3]);
                 assert_eq!(fast.surface, Some(counts));
                 assert_eq!(fast.pixels.covered, drawn.covered);
                 assert_eq!(fast.bytes, slow.bytes);
                 // With one buffer to spare a tile's division hides behind the next one's lanes only while it is
                 // shorter.
-                let busy = |timing: &crate::Timing| timing.units["write_back"].busy;
-                assert!(
-                    busy(&slow) >= 64 * sum
-                        && busy(&slow) > busy(&fast)
-                        && slow.raster > fast.raster
-                );
+                let [busy, longer] = [&fast, &slow].map(|timing| timing.units["write_back"].busy);
+                assert!(longer >= 64 * sum && longer > busy && slow.raster > fast.raster);
             }
         }
     }

@@ -375,10 +375,8 @@ mod tests {
     /// The rows as a picture: one letter per pair.
     fn picture(workload: &Workload) -> String {
         let mut text = String::new();
-        let mut rows = workload.rows.iter();
-        let mut start = 0;
-        for pair in &workload.pairs {
-            for row in rows.by_ref().take(pair.rows_end as usize - start) {
+        for pair in 0..workload.pairs.len() {
+            for row in workload.rows_of(pair) {
                 let pixel = |x: u32| match (row.covered >> x & 1, row.visited() >> x & 1) {
                     (1, _) => '#',
                     (_, 1) => '.',
@@ -388,7 +386,6 @@ mod tests {
                 text.push('|');
             }
             text.push('\n');
-            start = pair.rows_end as usize;
         }
         text
     }
@@ -401,26 +398,17 @@ mod tests {
             picture(&spans),
             "       #|      ##|      ##|       #|\n#       |##      |##      |#       |\n"
         );
-        let boxes = read_table(
-            &table,
-            &TableOptions {
-                traversal: Traversal::Box,
-                ..OPTIONS
-            },
-        )
-        .unwrap();
+        let options = TableOptions {
+            traversal: Traversal::Box,
+            ..OPTIONS
+        };
+        let boxes = read_table(&table, &options).unwrap();
         assert_eq!(
             picture(&boxes),
             "      .#|      ##|      ##|      .#|\n#.      |##      |##      |#.      |\n"
         );
-        assert_eq!(
-            spans
-                .splats
-                .iter()
-                .map(|splat| splat.tiles)
-                .collect::<Vec<_>>(),
-            [2, 0]
-        );
+        let tiles = spans.splats.iter().map(|splat| splat.tiles);
+        assert_eq!(tiles.collect::<Vec<_>>(), [2, 0]);
         let listed = format!("{HEADING},tiles\n0,8,4,1,1,0,1,6,2,10,6,1\n");
         assert_eq!(read_table(&listed, &OPTIONS).unwrap().splats[0].tiles, 1);
     }
@@ -443,25 +431,32 @@ mod tests {
     #[test]
     fn errors_name_line_and_column() {
         let message = |text: &str| read_table(text, &OPTIONS).unwrap_err().to_string();
-        assert!(message("index,u,v\n").contains("no column 'depth'"));
-        let bad = format!("{HEADING}\n0,8,4,1,1,0,inf,6,2,10,6\n");
+        let disc = |conic: &str| format!("{HEADING}\n0,8,4,1,{conic},6,2,10,6\n");
+        let cutoff = |value: &str| {
+            let text = format!("{HEADING},cutoff\n0,8,4,1,1,0,1,6,2,10,6,{value}\n");
+            (text, "cutoff = ")
+        };
+        let bad = disc("1,0,inf");
         assert_eq!(
             message(&bad),
             "line 2: conic_c = 'inf': expected a finite number"
         );
-        assert!(message(&format!("{HEADING}\n0,8,4,1,1,0,1,-6,2,10,6\n")).contains("x0 = '-6'"));
-        assert!(message(&format!("{HEADING}\n0,8\n")).contains("x0 = ''"));
-        for indefinite in ["-1,0,1", "1,0,-1", "1,2,1", "0,1,0"] {
-            let line = format!("{HEADING}\n0,8,4,1,{indefinite},6,2,10,6\n");
-            assert!(message(&line).contains("conic_b"), "{indefinite}");
+        let negative = format!("{HEADING}\n0,8,4,1,1,0,1,-6,2,10,6\n");
+        let texts = [
+            ("index,u,v\n".to_owned(), "no column 'depth'"),
+            (negative, "x0 = '-6'"),
+            (format!("{HEADING}\n0,8\n"), "x0 = ''"),
+        ];
+        let indefinite =
+            ["-1,0,1", "1,0,-1", "1,2,1", "0,1,0"].map(|conic| (disc(conic), "conic_b"));
+        let cutoffs = ["-1", "0", "NaN", "inf"].map(cutoff);
+        for (text, expected) in texts.into_iter().chain(indefinite).chain(cutoffs) {
+            let message = message(&text);
+            assert!(message.contains(expected), "{message}");
         }
-        for cutoff in ["-1", "0", "NaN", "inf"] {
-            let line = format!("{HEADING},cutoff\n0,8,4,1,1,0,1,6,2,10,6,{cutoff}\n");
-            assert!(message(&line).contains("cutoff = "), "{cutoff}");
-        }
-        let needle = format!("{HEADING}\n0,8,4,1,1,1.001,1,6,2,10,6\n");
-        assert!(read_table(&needle, &OPTIONS).is_ok(), "rounded");
+        assert!(read_table(&disc("1,1.001,1"), &OPTIONS).is_ok(), "rounded");
     }
+
     #[test]
     fn one_line_cannot_ask_for_all_memory() {
         let huge = format!("{HEADING}\n0,8,4,1,1,0,1,0,0,32768,32768\n");
@@ -470,10 +465,8 @@ mod tests {
             ..OPTIONS
         };
         let message = read_table(&huge, &options).unwrap_err().to_string();
-        assert!(
-            message.starts_with("line 2: the boxes up to here have 134217728 rows in tiles"),
-            "{message}"
-        );
+        let expected = "line 2: the boxes up to here have 134217728 rows in tiles";
+        assert!(message.starts_with(expected), "{message}");
         assert!(read_table(&huge, &OPTIONS).is_ok(), "cut to the screen");
     }
 

@@ -209,10 +209,7 @@ impl Search<'_> {
                 .position(|axis| axis.part == SpacePart::Design && axis.key == name);
             place.filter(|place| is_width(&axes[*place]))
         };
-        let widths: Vec<usize> = LOWERING_ORDER
-            .iter()
-            .filter_map(|name| width(name))
-            .collect();
+        let widths: Vec<usize> = LOWERING_ORDER.into_iter().filter_map(width).collect();
         let others = (0..axes.len()).filter(|axis| !widths.contains(axis));
         (widths.clone(), others.collect())
     }
@@ -241,11 +238,7 @@ impl Search<'_> {
 /// Is it a width, from narrow to wide?
 fn is_width(axis: &SpaceAxis) -> bool {
     let named = WIDTH_RANGES.iter().any(|(name, ..)| *name == axis.key);
-    let bits: Vec<i64> = axis
-        .values
-        .iter()
-        .filter_map(toml::Value::as_integer)
-        .collect();
+    let bits = axis.values.iter().filter_map(toml::Value::as_integer);
     axis.part == SpacePart::Design && named && bits.is_sorted()
 }
 

@@ -21,9 +21,10 @@ use splatline::raster::Window;
 use splatline::rules::Compositing;
 use splatline::setup::Cull;
 use splatline::target::Target;
+use splatline_engine::fast::order::Grid;
 
 /// Side of the squares of pixels that are decided at a time.
-const TILE: usize = 64;
+const TILE: u16 = 64;
 
 /// Decisions otherwise than by the reference.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
@@ -49,14 +50,14 @@ pub(super) struct Decisions {
 /// An engine that says where a splat is drawn.
 pub(super) trait DecisionEngine: Sync {
     /// The pixels outside of which splat `index` is not drawn.
-    fn bounds(&self, index: usize) -> PixelBox;
+    fn bounds(&self, index: usize) -> Window;
 
     /// Who draws on the pixels of `area`, which are empty yet.
-    fn start(&self, area: PixelBox) -> DrawSplat<'_>;
+    fn start(&self, area: Window) -> DrawSplat<'_>;
 }
 
 /// Draws a splat by its number within bounds, and tells what becomes of each of those pixels, row by row.
-pub(super) type DrawSplat<'a> = Box<dyn FnMut(usize, PixelBox) -> Vec<Decided> + 'a>;
+pub(super) type DrawSplat<'a> = Box<dyn FnMut(usize, Window) -> Vec<Decided> + 'a>;
 
 /// What becomes of a pixel.
 pub(super) struct Decided {
@@ -68,9 +69,10 @@ pub(super) struct Decided {
 
 /// An engine in floating point, which computes what a layer leaves of the light in its own precision.
 pub(super) struct FloatSide<'a> {
-    bounds: Box<dyn Fn(usize) -> PixelBox + Sync + 'a>,
+    /// None of a splat that is not drawn.
+    bounds: Box<dyn Fn(usize) -> Option<PixelBox> + Sync + 'a>,
     /// Of a splat at a pixel; none where it is not drawn.
-    opacity: Box<dyn Fn(usize, [usize; 2]) -> Option<f64> + Sync + 'a>,
+    opacity: Box<dyn Fn(usize, [u16; 2]) -> Option<f64> + Sync + 'a>,
     behind: fn(f64, f64) -> f64,
     stop: f64,
 }
@@ -80,13 +82,11 @@ pub(super) fn double<'a>(
     projected: &'a [Result<Exact, Culled>],
     rules: &'a Rules,
 ) -> FloatSide<'a> {
-    let splat = |index: usize| projected[index].as_ref();
+    let splat = |index: usize| projected[index].as_ref().ok();
     FloatSide {
-        bounds: Box::new(move |index| {
-            splat(index).map_or_else(|_| PixelBox::default(), |f| f.bounds)
-        }),
-        opacity: Box::new(move |index, [x, y]| {
-            compositor::opacity(splat(index).ok()?, [x as f64 + 0.5, y as f64 + 0.5], rules)
+        bounds: Box::new(move |index| Some(splat(index)?.bounds)),
+        opacity: Box::new(move |index, at| {
+            compositor::opacity(splat(index)?, at.map(|at| f64::from(at) + 0.5), rules)
         }),
         behind: |clear, alpha| clear * (1.0 - alpha),
         stop: rules.minimum_transmittance,
@@ -101,11 +101,10 @@ pub(super) fn single<'a>(
 ) -> FloatSide<'a> {
     let splat = |index: usize| projected[index].as_ref();
     FloatSide {
-        bounds: Box::new(move |index| {
-            splat(index).map_or_else(PixelBox::default, |f| f.bounds(camera, rules))
-        }),
-        opacity: Box::new(move |index, [x, y]| {
-            let opacity = splat(index)?.opacity(x as f32 + 0.5, y as f32 + 0.5, rules);
+        bounds: Box::new(move |index| Some(splat(index)?.bounds(camera, rules))),
+        opacity: Box::new(move |index, at| {
+            let [x, y] = at.map(|at| f32::from(at) + 0.5);
+            let opacity = splat(index)?.opacity(x, y, rules);
             (opacity > 0.0).then_some(opacity.into())
         }),
         behind: |clear, alpha| (clear as f32 * (1.0 - alpha as f32)).into(),
@@ -114,17 +113,22 @@ pub(super) fn single<'a>(
 }
 
 impl DecisionEngine for FloatSide<'_> {
-    fn bounds(&self, index: usize) -> PixelBox {
-        (self.bounds)(index)
+    fn bounds(&self, index: usize) -> Window {
+        let PixelBox { x0, y0, x1, y1 } = (self.bounds)(index).unwrap_or_default();
+        Window {
+            first: [x0, y0].map(|at| at as u16),
+            end: [x1, y1].map(|at| at as u16),
+        }
     }
 
-    fn start(&self, area: PixelBox) -> DrawSplat<'_> {
-        let columns = area.x1 - area.x0;
+    fn start(&self, area: Window) -> DrawSplat<'_> {
+        let columns = usize::from(area.columns());
         // The light that is left, 0 once finished.
-        let mut clear = vec![1.0; pixels_of(area)];
+        let mut clear = vec![1.0; area.pixels()];
         Box::new(move |index, bounds| {
             let decide = |place: usize| {
-                let at = [place % columns + area.x0, place / columns + area.y0];
+                let [x, y] = [place % columns, place / columns].map(|at| at as u16);
+                let at = [x + area.first[0], y + area.first[1]];
                 let opacity = (self.opacity)(index, at);
                 if let Some(opacity) = opacity {
                     let rest = (self.behind)(clear[place], opacity);
@@ -165,12 +169,8 @@ impl<'a> FixedSide<'a> {
     }
 
     /// One splat by the kernel's painter.
-    fn draw(&self, footprint: &Footprint, area: PixelBox, pixels: &mut [Pixel]) {
-        let window = Window {
-            first: [area.x0 as u16, area.y0 as u16],
-            end: [area.x1 as u16, area.y1 as u16],
-        };
-        let Ok(mut target) = Target::new(pixels, window, area.x1 - area.x0) else {
+    fn draw(&self, footprint: &Footprint, area: Window, pixels: &mut [Pixel]) {
+        let Ok(mut target) = Target::new(pixels, area, area.columns().into()) else {
             unreachable!("the memory has been made for its window")
         };
         let table = fixed::table(&self.table, &self.design.widths, &self.rules);
@@ -181,20 +181,15 @@ impl<'a> FixedSide<'a> {
 }
 
 impl DecisionEngine for FixedSide<'_> {
-    fn bounds(&self, index: usize) -> PixelBox {
-        let Ok(footprint) = &self.footprints[index] else {
-            return PixelBox::default();
-        };
-        let [x0, y0] = footprint.first.map(usize::from);
-        let [x1, y1] = footprint.end.map(usize::from);
-        PixelBox { x0, y0, x1, y1 }
+    fn bounds(&self, index: usize) -> Window {
+        self.footprints[index].as_ref().map_or(EMPTY, Window::of)
     }
 
-    fn start(&self, area: PixelBox) -> DrawSplat<'_> {
+    fn start(&self, area: Window) -> DrawSplat<'_> {
         let clear = Pixel::clear(&self.design.widths);
-        let mut pixels = vec![clear; pixels_of(area)];
+        let mut pixels = vec![clear; area.pixels()];
         Box::new(move |index, bounds| {
-            let mut alone = vec![clear; pixels_of(bounds)];
+            let mut alone = vec![clear; bounds.pixels()];
             if let Ok(footprint) = &self.footprints[index] {
                 self.draw(footprint, bounds, &mut alone);
                 self.draw(footprint, area, &mut pixels);
@@ -215,28 +210,19 @@ pub(super) fn count(
     order: &[usize],
     camera: &Camera,
 ) -> Vec<Decisions> {
-    let across = camera.width.div_ceil(TILE);
-    let areas: Vec<PixelBox> = (0..across * camera.height.div_ceil(TILE))
-        .map(|tile| {
-            let (x0, y0) = (tile % across * TILE, tile / across * TILE);
-            PixelBox {
-                x0,
-                y0,
-                x1: (x0 + TILE).min(camera.width),
-                y1: (y0 + TILE).min(camera.height),
-            }
-        })
-        .collect();
-    let tiles: Vec<Vec<Decisions>> = areas
-        .par_iter()
-        .map(|area| count_tile(reference, engines, order, *area))
-        .collect();
-    let picture = PixelBox::whole(camera);
+    let picture = Window {
+        first: [0; 2],
+        end: [camera.width as u16, camera.height as u16],
+    };
+    let grid = Grid::new(picture.end, [TILE; 2]);
+    let tiles = (0..grid.len()).into_par_iter();
+    let decide = |tile| count_tile(reference, engines, order, grid.window(tile));
+    let tiles: Vec<Vec<Decisions>> = tiles.map(decide).collect();
     let mut joined = vec![Decisions::none(picture); engines.len()];
-    for (area, tile) in areas.iter().zip(tiles) {
+    for (number, tile) in tiles.into_iter().enumerate() {
         for (joined, tile) in joined.iter_mut().zip(tile) {
             joined.flips += tile.flips;
-            for (place, flipped) in places(*area, picture).zip(tile.pixels) {
+            for (place, flipped) in places(grid.window(number), picture).zip(tile.pixels) {
                 joined.pixels[place] = flipped;
             }
         }
@@ -248,19 +234,19 @@ fn count_tile(
     reference: &dyn DecisionEngine,
     engines: &[&dyn DecisionEngine],
     order: &[usize],
-    area: PixelBox,
+    area: Window,
 ) -> Vec<Decisions> {
     let mut decisions = vec![Decisions::none(area); engines.len()];
     // Whether the reference has finished a pixel before the splat at hand.
-    let mut finished = vec![false; pixels_of(area)];
+    let mut finished = vec![false; area.pixels()];
     // By engine and pixel: the stop was decided otherwise, and has been counted.
     let mut stopped = vec![finished.clone(); engines.len()];
     let mut truth = reference.start(area);
     let mut tiles: Vec<_> = engines.iter().map(|engine| engine.start(area)).collect();
     for &index in order {
-        let mut bounds = reference.bounds(index).intersection(&area);
+        let mut bounds = reference.bounds(index).intersect(&area);
         for engine in engines {
-            bounds = hull(bounds, engine.bounds(index).intersection(&area));
+            bounds = hull(bounds, engine.bounds(index).intersect(&area));
         }
         if bounds.is_empty() {
             continue;
@@ -287,10 +273,10 @@ fn count_tile(
 }
 
 impl Decisions {
-    fn none(area: PixelBox) -> Decisions {
+    fn none(area: Window) -> Decisions {
         Decisions {
             flips: Flips::default(),
-            pixels: vec![false; pixels_of(area)],
+            pixels: vec![false; area.pixels()],
         }
     }
 
@@ -318,28 +304,30 @@ impl std::ops::AddAssign for Flips {
     }
 }
 
-fn pixels_of(area: PixelBox) -> usize {
-    (area.x1 - area.x0) * (area.y1 - area.y0)
-}
+/// No pixel.
+const EMPTY: Window = Window {
+    first: [0; 2],
+    end: [0; 2],
+};
 
 /// The places of the pixels of `bounds` in a tile that holds `area`.
-fn places(bounds: PixelBox, area: PixelBox) -> impl Iterator<Item = usize> {
-    let columns = area.x1 - area.x0;
-    (bounds.y0..bounds.y1)
-        .flat_map(move |y| (bounds.x0..bounds.x1).map(move |x| (x, y)))
-        .map(move |(x, y)| (y - area.y0) * columns + x - area.x0)
+fn places(bounds: Window, area: Window) -> impl Iterator<Item = usize> {
+    let columns = usize::from(area.columns());
+    let from = |axis: usize| usize::from(bounds.first[axis] - area.first[axis]);
+    let (left, top) = (from(0), from(1));
+    let rows = top..top + usize::from(bounds.rows());
+    let row = left..left + usize::from(bounds.columns());
+    rows.flat_map(move |y| row.clone().map(move |x| y * columns + x))
 }
 
 /// The smallest rectangle around both.
-fn hull(a: PixelBox, b: PixelBox) -> PixelBox {
+fn hull(a: Window, b: Window) -> Window {
     match (a.is_empty(), b.is_empty()) {
         (true, _) => b,
         (_, true) => a,
-        _ => PixelBox {
-            x0: a.x0.min(b.x0),
-            y0: a.y0.min(b.y0),
-            x1: a.x1.max(b.x1),
-            y1: a.y1.max(b.y1),
+        _ => Window {
+            first: [0, 1].map(|axis| a.first[axis].min(b.first[axis])),
+            end: [0, 1].map(|axis| a.end[axis].max(b.end[axis])),
         },
     }
 }
@@ -360,12 +348,8 @@ mod tests {
         let order: Vec<usize> = compositor::order(&truth);
         let engine = double(&other, &rules);
         let decisions = count(&double(&truth, &RULES), &[&engine], &order, &class.camera);
-        let flipped = decisions[0]
-            .pixels
-            .iter()
-            .filter(|flipped| **flipped)
-            .count();
-        (decisions[0].flips, flipped)
+        let flipped = decisions[0].pixels.iter().filter(|flipped| **flipped);
+        (decisions[0].flips, flipped.count())
     }
 
     #[test]
@@ -388,14 +372,13 @@ mod tests {
 
     #[test]
     fn another_stop_finishes_pixels_sooner_or_later() {
-        let moved = |stop: f64| {
-            under(Rules {
-                minimum_transmittance: stop,
+        let [sooner, later] = [0.5, 0.0].map(|minimum_transmittance| {
+            let rules = Rules {
+                minimum_transmittance,
                 ..RULES
-            })
-            .0
-        };
-        let (sooner, later) = (moved(0.5), moved(0.0));
+            };
+            under(rules).0
+        });
         assert!(sooner.early > 10 && sooner.late == 0, "{sooner:?}");
         assert_eq!((sooner.added, sooner.removed), (0, 0));
         assert_eq!(later.early, 0, "{later:?}");

@@ -85,26 +85,18 @@ pub fn measure(size: Size, seed: u64) -> Vec<SceneLine> {
 pub fn measure_class(class: &Class) -> Vec<SceneLine> {
     let Class { scene, camera, .. } = class;
     let truth = DecisionTruth::new(scene, camera);
-    let designs: Vec<DesignChoice> = DESIGNS
-        .into_iter()
-        .filter_map(DesignChoice::named)
-        .collect();
-    let drawings: Vec<_> = designs
-        .iter()
-        .map(|design| {
-            let options = fixed::Options::front_to_back(&RULES, design);
-            fixed::draw_with_footprints(scene, camera, &options)
-        })
-        .collect();
+    let designs = DESIGNS.into_iter().filter_map(DesignChoice::named);
+    let designs: Vec<DesignChoice> = designs.collect();
+    let options = |design| fixed::Options::front_to_back(&RULES, design);
+    let draw = |design| fixed::draw_with_footprints(scene, camera, &options(design));
+    let drawings: Vec<_> = designs.iter().map(draw).collect();
     let other = in_camera_space(scene, camera);
     let other = DecisionTruth::new(&other.0, &other.1);
     let mut singles = vec![(SINGLE, SingleDrawing::new(scene, camera, &truth.order))];
     if let Some(offset) = class.offset {
         let (scene, camera) = moved(scene, camera, offset);
-        singles.push((
-            SINGLE_NEAR,
-            SingleDrawing::new(&scene, &camera, &truth.order),
-        ));
+        let near = SingleDrawing::new(&scene, &camera, &truth.order);
+        singles.push((SINGLE_NEAR, near));
     }
 
     let rules = &RULES;
@@ -132,7 +124,7 @@ pub fn measure_class(class: &Class) -> Vec<SceneLine> {
     engines.extend(fixed.map(|(design, (drawing, footprints))| DrawnClass {
         name: &design.name,
         picture: &drawing.picture,
-        conics: fixed::conics(scene, camera, &fixed::Options::front_to_back(rules, design)),
+        conics: fixed::conics(scene, camera, &options(design)),
         drawn: footprints.iter().map(Result::is_ok).collect(),
         clamped: drawing.clamped,
         decisions: Box::new(FixedSide::new(footprints, design, rules)),
@@ -157,18 +149,23 @@ struct DrawnClass<'a> {
     decisions: Box<dyn DecisionEngine + 'a>,
 }
 
+/// A scene in which every splat is another one.
+fn with_splats(scene: &Scene, change: impl Fn(&Splat) -> Splat) -> Scene {
+    let mut scene = scene.clone();
+    for splat in &mut scene.splats {
+        *splat = change(splat);
+    }
+    scene
+}
+
 /// The scene in camera space by W u + d, and a camera at its origin.
 fn in_camera_space(scene: &Scene, camera: &Camera) -> (Scene, Camera) {
     let turn = |v| vector::transform(&camera.rotation, v);
-    let turned = |splat: &Splat| Splat {
+    let scene = with_splats(scene, |splat| Splat {
         centre: vector::add(turn(splat.centre), camera.translation),
         axes: splat.axes.map(turn),
         ..*splat
-    };
-    let scene = Scene {
-        splats: scene.splats.iter().map(turned).collect(),
-        ..scene.clone()
-    };
+    });
     let camera = Camera {
         rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
         translation: [0.0; 3],
@@ -180,14 +177,10 @@ fn in_camera_space(scene: &Scene, camera: &Camera) -> (Scene, Camera) {
 /// The same view after everything has been moved by `-offset` and the splats have been rounded to single precision
 /// again.
 fn moved(scene: &Scene, camera: &Camera, offset: [f64; 3]) -> (Scene, Camera) {
-    let nearer = |splat: &Splat| Splat {
+    let scene = with_splats(scene, |splat| Splat {
         centre: vector::subtract(splat.centre, offset),
         ..*splat
-    };
-    let scene = Scene {
-        splats: scene.splats.iter().map(nearer).collect(),
-        ..scene.clone()
-    };
+    });
     let turned = vector::transform(&camera.rotation, offset);
     let camera = Camera {
         translation: vector::add(camera.translation, turned),
@@ -207,18 +200,10 @@ struct DecisionTruth {
 impl DecisionTruth {
     fn new(scene: &Scene, camera: &Camera) -> DecisionTruth {
         let projected = float::footprints(scene, camera, &RULES);
-        let drawing = compositor::draw(
-            &projected,
-            camera,
-            &RULES,
-            Compositing::FrontToBack,
-            &|_, _| (),
-        );
-        let depths: Vec<f64> = scene
-            .splats
-            .iter()
-            .map(|s| camera.to_camera(s.centre)[2])
-            .collect();
+        let order = Compositing::FrontToBack;
+        let drawing = compositor::draw(&projected, camera, &RULES, order, &|_, _| ());
+        let depths = scene.splats.iter().map(|s| camera.to_camera(s.centre)[2]);
+        let depths: Vec<f64> = depths.collect();
         let mut order: Vec<usize> = (0..depths.len()).collect();
         order.sort_by(|a, b| depths[*a].total_cmp(&depths[*b]));
         DecisionTruth {
@@ -229,9 +214,8 @@ impl DecisionTruth {
     }
 
     fn conics(&self) -> impl Iterator<Item = Option<[f64; 3]>> {
-        self.projected
-            .iter()
-            .map(|f| Some(f.as_ref().ok()?.variance.conic()))
+        let all = self.projected.iter();
+        all.map(|f| Some(f.as_ref().ok()?.variance.conic()))
     }
 
     /// An engine's line.
@@ -243,7 +227,9 @@ impl DecisionTruth {
             pairs().flat_map(move |(a, b)| channels.clone().map(move |c| (a[c] - b[c]) * unit))
         };
         let conics = self.conics().zip(&engine.conics);
+        let conics = conics.filter_map(|(truth, own)| Some(conic_difference((*own)?, truth?)));
         let lost = self.projected.iter().zip(&engine.drawn);
+        let lost = lost.filter(|(truth, drawn)| truth.is_ok() && !**drawn);
         let flipped = decisions.pixels.iter().filter(|flipped| **flipped).count();
         SceneLine {
             class: class.name.clone(),
@@ -253,17 +239,13 @@ impl DecisionTruth {
             settled: 1.0 - flipped as f64 / decisions.pixels.len() as f64,
             max_abs: differences(0..4).fold(0.0, |most: f64, d| most.max(d.abs())),
             bias: differences(0..3).sum::<f64>() / (3.0 * expected.pixels.len() as f64),
-            conic: conics
-                .filter_map(|(truth, conic)| Some(conic_difference((*conic)?, truth?)))
-                .fold(0.0, f64::max),
+            conic: conics.fold(0.0, f64::max),
             flips: decisions.flips,
             blended: self.drawing.counts.covered_pixels,
             splats: class.scene.splats.len(),
             clamped: engine.clamped,
             culled: engine.drawn.iter().filter(|drawn| !**drawn).count(),
-            lost: lost
-                .filter(|(truth, drawn)| truth.is_ok() && !**drawn)
-                .count(),
+            lost: lost.count(),
         }
     }
 
@@ -297,9 +279,9 @@ struct SingleDrawing {
 impl SingleDrawing {
     fn new(scene: &Scene, camera: &Camera, order: &[usize]) -> SingleDrawing {
         let splats = scene.splats.iter().zip(scene.weights_for(&RULES));
-        let projected: Vec<_> = splats
-            .map(|(splat, weight)| single::project(&Splat { weight, ..*splat }, camera, &RULES))
-            .collect();
+        let weighted = splats.map(|(splat, weight)| Splat { weight, ..*splat });
+        let projected = weighted.map(|splat| single::project(&splat, camera, &RULES));
+        let projected: Vec<_> = projected.collect();
         let colours = scene.colours(camera);
         let picture = single::picture(&projected, &colours, order, camera, &RULES);
         SingleDrawing { projected, picture }
