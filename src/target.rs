@@ -146,9 +146,10 @@ mod tests {
                 let found: Vec<u32> = found.map(|pixel| pixel.transmittance).collect();
                 let start =
                     (u32::from(y.wrapping_sub(5)) * stride as u32) + u32::from(x.wrapping_sub(3));
-                let expected = match is_inside(y, x, length) {
-                    true => (start..start + u32::from(length)).collect(),
-                    false => vec![],
+                let expected = if is_inside(y, x, length) {
+                    (start..start + u32::from(length)).collect()
+                } else {
+                    vec![]
                 };
                 assert_eq!(found, expected, "{y} {x} {length}");
             }
@@ -164,15 +165,14 @@ mod tests {
         let start = target.row(5, 3, 1).as_ptr();
         for (y, x, length) in runs() {
             let found = target.row(y, x, length);
-            match is_inside(y, x, length) {
-                true => {
-                    let offset = usize::from(y - 5) * 4 + usize::from(x - 3);
-                    assert_eq!(
-                        (found.len(), found.as_ptr()),
-                        (length.into(), start.wrapping_add(offset))
-                    );
-                }
-                false => assert!(found.is_empty(), "{y} {x} {length}"),
+            if is_inside(y, x, length) {
+                let offset = usize::from(y - 5) * 4 + usize::from(x - 3);
+                assert_eq!(
+                    (found.len(), found.as_ptr()),
+                    (length.into(), start.wrapping_add(offset))
+                );
+            } else {
+                assert!(found.is_empty(), "{y} {x} {length}");
             }
         }
     }

@@ -177,9 +177,10 @@ proptest! {
                 let fused = rounded((u128::from(old) << by.max(0)) + product, by, rounding);
                 if odd { fused } else { u128::from(old) + rounded(product, by, rounding) }
             };
-            let over: Vec<u32> = (0..3).map(|i| match left_out {
-                true => before.colour[i],
-                false => layer(i, before.colour[i]).min(u32::MAX.into()) as u32,
+            let over: Vec<u32> = (0..3).map(|i| if left_out {
+                before.colour[i]
+            } else {
+                layer(i, before.colour[i]).min(u32::MAX.into()) as u32
             }).collect();
             prop_assert_eq!(&front.colour[..], &over[..]);
             let (old_back, old_sum) = (back, sum);

@@ -60,9 +60,12 @@ impl Table {
 
     /// Comma-separated values; cells with commas are quoted.
     pub fn csv(&self) -> String {
-        let cell = |cell: &String| match cell.contains(',') {
-            true => format!("\"{cell}\""),
-            false => cell.clone(),
+        let cell = |cell: &String| {
+            if cell.contains(',') {
+                format!("\"{cell}\"")
+            } else {
+                cell.clone()
+            }
         };
         let line = |row: &Vec<String>| row.iter().map(cell).collect::<Vec<_>>().join(",") + "\n";
         once(&self.headings).chain(&self.rows).map(line).collect()

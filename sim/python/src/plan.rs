@@ -226,9 +226,10 @@ impl Plan {
     ) -> PyResult<(Drawing<'py>, Drawing<'py>, Bound<'py, PyAny>)> {
         let effort = raise(Plan::effort(threads, repeat, None))?;
         let prepared = &self.prepared;
-        let others = match all_designs && prepared.has_traversals() {
-            true => all_entries(&prepared.plan.entry.design),
-            false => Vec::new(),
+        let others = if all_designs && prepared.has_traversals() {
+            all_entries(&prepared.plan.entry.design)
+        } else {
+            Vec::new()
         };
         let compared = py.detach(|| {
             let mut comparison = compare_all(prepared, &effort, &others)?;

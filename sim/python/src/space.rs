@@ -29,9 +29,10 @@ impl Space {
     #[new]
     #[pyo3(signature = (text, name="space", points=true))]
     fn new(text: &str, name: &str, points: bool) -> PyResult<Space> {
-        let space = match points {
-            true => space::Space::from_toml(name, text),
-            false => space::Space::without_points(name, text),
+        let space = if points {
+            space::Space::from_toml(name, text)
+        } else {
+            space::Space::without_points(name, text)
         };
         Ok(Space {
             space: raise(space)?,

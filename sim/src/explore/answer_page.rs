@@ -36,9 +36,10 @@ pub fn page(title: &str, answer: &Answer, detail: Option<&Detail>, note: &str) -
     }
     if let Some(first) = answer.found.first() {
         body += &headline(first);
-        let title = match answer.holds {
-            true => "Limits and what is left of them",
-            false => "Limits: no machine was found that holds all of them",
+        let title = if answer.holds {
+            "Limits and what is left of them"
+        } else {
+            "Limits: no machine was found that holds all of them"
         };
         body += &section(title, &limits(answer));
         body += &section("What was looked at", &looked_at(answer));
@@ -114,9 +115,10 @@ fn looked_at(answer: &Answer) -> String {
     chart.names(&frame, "LUT in all", "frames a second");
     for one in &answer.looked_at {
         let place = (across.at(one.cost), up.at(one.frames_per_s));
-        let (class, holds) = match one.holds {
-            true => ("class=\"mark s2\"", "holds all limits"),
-            false => ("class=\"mark s5\" opacity=\"0.45\"", "misses a limit"),
+        let (class, holds) = if one.holds {
+            ("class=\"mark s2\"", "holds all limits")
+        } else {
+            ("class=\"mark s5\" opacity=\"0.45\"", "misses a limit")
         };
         let words = format!(
             "{:.0} LUT in all, {:.1} frames a second: {holds}",
@@ -300,9 +302,12 @@ fn diagram(timing: &Timing, machine: &Config) -> String {
 fn arrow(chart: &mut Chart, [from, to]: [(f64, f64); 2]) {
     chart.line(&[from, to], "leader");
     let (dx, dy) = ((to.0 - from.0).signum(), (to.1 - from.1).signum());
-    let back = |side: f64| match to.0 == from.0 {
-        true => (to.0 + side, to.1 - 5.0 * dy),
-        false => (to.0 - 5.0 * dx, to.1 + side),
+    let back = |side: f64| {
+        if to.0 == from.0 {
+            (to.0 + side, to.1 - 5.0 * dy)
+        } else {
+            (to.0 - 5.0 * dx, to.1 + side)
+        }
     };
     chart.line(&[back(-4.0), to, back(4.0)], "leader");
 }

@@ -49,9 +49,12 @@ impl FrameCounts {
         let set_up = splats / u64::from(machine.setup_units) * interval;
         let drawn = blended / lanes * u64::from(machine.blend_interval);
         let over_channels = machine.memory_part().is_none();
-        let moved = |bytes: u64, per_cycle: u32| match over_channels {
-            true => bytes / u64::from(per_cycle),
-            false => 0,
+        let moved = |bytes: u64, per_cycle: u32| {
+            if over_channels {
+                bytes / u64::from(per_cycle)
+            } else {
+                0
+            }
         };
         let read = moved(bytes.splats_read, machine.read_bandwidth);
         let geometry = set_up.saturating_sub(interval).max(read);

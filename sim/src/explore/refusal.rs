@@ -115,9 +115,10 @@ pub fn text(all: &[RuledOut]) -> String {
                  quantity, bound, ..
              }: &Limit| { format!("{} {}", quantity.show(*bound), quantity.name()) };
         let held = with.iter().map(other).collect::<Vec<_>>().join(", ");
-        let held = match with.is_empty() {
-            true => held,
-            false => format!(" while it holds {held}"),
+        let held = if with.is_empty() {
+            held
+        } else {
+            format!(" while it holds {held}")
         };
         text += &format!(
             "  {} ({}): asked for {asked} {}, {reached} {} is possible{held}, {by}\n",

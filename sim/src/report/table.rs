@@ -64,9 +64,10 @@ pub fn plain(rows: &[ReportRow]) -> String {
     lines.insert(1, widths.map(|width| "-".repeat(width)));
     let padded = |(column, cell): (usize, &String)| {
         let width = widths[column];
-        match column < WORD_COLUMNS {
-            true => format!("{cell:<width$}"),
-            false => format!("{cell:>width$}"),
+        if column < WORD_COLUMNS {
+            format!("{cell:<width$}")
+        } else {
+            format!("{cell:>width$}")
         }
     };
     let line = |cells: &[String; COLUMNS.len()]| {

@@ -150,9 +150,12 @@ fn a_composited_sheet_is_empty_again() {
                 blend.x_ray(pixel, 1 << (WIDTHS.alpha - 1), &[1 << WIDTHS.colour; 3]);
             }
         }
-        let mut composite = || match over {
-            true => sheet.composite_over(&blend, &mut target),
-            false => sheet.composite_behind(&blend, &mut target),
+        let mut composite = || {
+            if over {
+                sheet.composite_over(&blend, &mut target)
+            } else {
+                sheet.composite_behind(&blend, &mut target)
+            }
         };
         assert_eq!([composite(), composite()], [4, 0]);
         assert_eq!(

@@ -57,9 +57,10 @@ impl Copy {
         let mut texts = Vec::new();
         for file in files.lines().filter(kept) {
             let bytes = fs::read(root.join(file))?;
-            match file.starts_with("src/") && file.ends_with(".rs") {
-                true => texts.push((file.to_owned(), String::from_utf8(bytes)?)),
-                false => write(&tree.join(file), &bytes)?,
+            if file.starts_with("src/") && file.ends_with(".rs") {
+                texts.push((file.to_owned(), String::from_utf8(bytes)?))
+            } else {
+                write(&tree.join(file), &bytes)?
             }
         }
         // Mutants count from 1: 0 is none.
@@ -70,9 +71,10 @@ impl Copy {
         };
         let (mut sources, mut mutants) = (Vec::new(), vec![none]);
         for (path, text) in texts {
-            let found = match path.ends_with("/tests.rs") {
-                true => find(&path, "", mutants.len())?,
-                false => find(&path, &text, mutants.len()).map_err(|e| format!("{path}: {e}"))?,
+            let found = if path.ends_with("/tests.rs") {
+                find(&path, "", mutants.len())?
+            } else {
+                find(&path, &text, mutants.len()).map_err(|e| format!("{path}: {e}"))?
             };
             mutants.extend(found.mutants);
             sources.push(Source {

@@ -255,12 +255,13 @@ fn in_parallel(
 
 /// Numbers of the mutants to try, in their order.
 fn choose(copy: &Copy, options: &Options, last: &Path) -> Result<Vec<usize>, Failure> {
-    let last: BTreeSet<String> = match options.again {
-        true => fs::read_to_string(last)?
+    let last: BTreeSet<String> = if options.again {
+        fs::read_to_string(last)?
             .lines()
             .map(String::from)
-            .collect(),
-        false => BTreeSet::new(),
+            .collect()
+    } else {
+        BTreeSet::new()
     };
     let parts = options.part.as_deref().unwrap_or("");
     let mut chosen: Vec<usize> = (1..copy.mutants.len())

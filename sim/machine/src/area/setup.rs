@@ -116,9 +116,10 @@ pub fn round(units: &[SetupUnit], widths: &Widths) -> Option<u32> {
 /// standard24's elsewhere, moved by what a bit of mantissa takes there; nothing where none was synthesised. Two cores
 /// share their memories, so that an odd one needs more than half of a pair.
 pub fn estimate(units: &[SetupUnit], family: Family, mantissa: u8, cores: u32) -> Option<Fabric> {
-    let design = match is_turned(mantissa) {
-        true => "lean18",
-        false => "standard24",
+    let design = if is_turned(mantissa) {
+        "lean18"
+    } else {
+        "standard24"
     };
     let [few, many] = FITTED_CORES;
     let with = |cores| find(units, family, design, cores);

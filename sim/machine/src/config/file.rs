@@ -163,9 +163,10 @@ fn unknown(place: &str, key: &str) -> Refused {
             let start: String = name.chars().take(3).collect();
             let keys = SETTINGS.iter().map(|setting| setting.key.as_str());
             let near: Vec<&str> = keys.filter(|key| key.starts_with(&start)).collect();
-            match near.is_empty() {
-                true => format!(": {}", known(key)),
-                false => format!(": did you mean {}?", near.join(" or ")),
+            if near.is_empty() {
+                format!(": {}", known(key))
+            } else {
+                format!(": did you mean {}?", near.join(" or "))
             }
         }
     };

@@ -170,9 +170,10 @@ impl EnergyTable {
 
     /// What a reader of an estimate must know.
     pub fn statement(&self) -> String {
-        let source = match self.shipped {
-            true => "figures of the literature",
-            false => "a table of your own",
+        let source = if self.shipped {
+            "figures of the literature"
+        } else {
+            "a table of your own"
         };
         format!(
             "estimate by {source} for {}: actions counted times energy each; without clock tree, pipeline registers, control, wires, leakage, and what a DRAM \

@@ -177,9 +177,10 @@ impl Channels {
                 left: 0,
             }),
             packet_bytes: packet_bytes.into(),
-            stored: match in_order {
-                false => [config.list_bytes.into(), 0],
-                true => [0, config.sorted_bytes().into()],
+            stored: if in_order {
+                [0, config.sorted_bytes().into()]
+            } else {
+                [config.list_bytes.into(), 0]
             },
             latency: config.latency.into(),
             read_bandwidth,

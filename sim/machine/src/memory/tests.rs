@@ -31,9 +31,10 @@ pub(super) struct Issued {
 impl DramCommand {
     /// What moves a burst.
     pub(super) fn moving(write: bool) -> DramCommand {
-        match write {
-            true => DramCommand::Write,
-            false => DramCommand::Read,
+        if write {
+            DramCommand::Write
+        } else {
+            DramCommand::Read
         }
     }
 }

@@ -144,9 +144,10 @@ impl ExtractJob<'_> {
         let parts = each_tile(bins.lists.len(), &|at| {
             self.tile(design, &painter, &bins.lists[at], bins.grid.window(at))
         });
-        let screen = match self.wants_pixels {
-            true => self.screen(&parts, widths, &bins.grid),
-            false => Vec::new(),
+        let screen = if self.wants_pixels {
+            self.screen(&parts, widths, &bins.grid)
+        } else {
+            Vec::new()
         };
         let packet_bytes = 4 * Layout::new(widths, self.options.traversal).words() as u32;
         let mut workload = assemble(parts, &bins, self.footprints.len(), packet_bytes);

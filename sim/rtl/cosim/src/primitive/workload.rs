@@ -168,9 +168,12 @@ impl WorkloadRandom {
     /// A part of a block from its first column and row on; in half of the cases all of it.
     fn window(&mut self, block: [u16; 2]) -> Window {
         let whole = self.below(2) != 0;
-        let end = [0, 1].map(|axis| match whole {
-            true => block[axis] + TILE[axis],
-            false => block[axis] + self.below(TILE[axis].into()) as u16 + 1,
+        let end = [0, 1].map(|axis| {
+            if whole {
+                block[axis] + TILE[axis]
+            } else {
+                block[axis] + self.below(TILE[axis].into()) as u16 + 1
+            }
         });
         Window { first: block, end }
     }
