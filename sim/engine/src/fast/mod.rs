@@ -1,8 +1,7 @@
 //! The fast engine: the kernel's pictures, bit for bit, on vectors and all cores.
 //!
 //! ```text
-//! depth_first (what is hidden) -> setup -> order (radix sort, tile lists) -> recurrence -> rows
-//!     -> pixels of runs -> tile -> frame
+//! depth_first (what is hidden) -> setup -> order (radix sort, tile lists) -> rows -> pixels of runs -> tile -> frame
 //! ```
 //!
 //! The scalar painter ([`Painter`](splatline::draw::Painter)) stays the definition. What is fast here is tested against
@@ -15,7 +14,6 @@ pub mod lanes;
 pub mod order;
 mod paint;
 mod painter;
-pub mod recurrence;
 mod row_group;
 mod row_reals;
 mod row_words;

@@ -1,18 +1,17 @@
 //! Constants of several footprints' rows at once, a footprint in each word.
 //!
-//! What [`EllipseSpans::constants`](splatline::raster::EllipseSpans::constants) and [`RowReals::new`] compute for
-//! one footprint takes more instructions than its rows. Here it is the same, step by step, in double precision, where a
-//! right shift that rounds is `floor(v + 1/2)`.
-//! Footprints that are [not ordinary](RowGroup::is_ordinary) are left to those two.
+//! What [`EllipseSpans::constants`](splatline::raster::EllipseSpans::constants) computes for one footprint takes more
+//! instructions than its rows. Here it is the same, step by step, in double precision, where a right shift that rounds
+//! is `floor(v + 1/2)`.
+//! Footprints that are [not ordinary](RowGroup::is_ordinary) are left to it.
 
 use super::lanes::{Doubles, apart};
-use super::row_reals::{
-    DIFFERENT, FARTHEST, MOST, ROWS, RealBlock, RowLine, RowNumbers, RowReals, scale,
-};
+use super::row_reals::{DIFFERENT, FARTHEST, MOST, ROWS, RealBlock, RowNumbers, RowReals, scale};
 use super::row_words::{SeedWords, SquaredWidth, longest_rest};
 use super::rows::BLOCKS;
 use super::setup::number::{Arithmetic, Word, power};
 use super::setup::real::{Real, Reals};
+use super::tile::TILE;
 use splatline::footprint::Footprint;
 use splatline::format::Widths;
 use splatline::math::SoftFloat;
@@ -21,6 +20,10 @@ use std::cell::Cell;
 
 /// Most words of a vector.
 const WORDS: usize = 8;
+
+/// Blocks of rows that a tile has: seeds are computed for each.
+pub const ROW_BLOCKS: usize = (TILE[1] / BLOCK) as usize;
+const _: () = assert!(ROW_BLOCKS == 2 && TILE[1].is_multiple_of(BLOCK));
 
 /// Fraction bits of rows' centres beyond those of footprints' centres, where shears and half-widths are ordinary.
 const CENTRE: i32 = 8;
@@ -42,8 +45,6 @@ pub struct Member {
     pub rows: [u16; 2],
     /// Columns of the box in the window.
     pub visible: [u16; 2],
-    /// Do its rows lie in two blocks?
-    is_short: bool,
 }
 
 /// Some footprints and their constants; memory that is used again for the next ones.
@@ -51,7 +52,7 @@ pub struct Member {
 pub struct RowGroup {
     members: [Member; WORDS],
     inputs: [List; INPUTS],
-    seeds: [[List; 3]; 2],
+    seeds: [[List; 3]; ROW_BLOCKS],
     columns: [[List; 2]; BLOCKS],
     constants: [List; DIFFERENT],
     shear: List,
@@ -80,7 +81,6 @@ impl RowGroup {
         self.members[k % WORDS] = Member {
             rows: [y, end],
             visible: [x, right],
-            is_short: end <= block.saturating_add(2 * BLOCK),
         };
         let words = [
             packed(ldl.squared_width),
@@ -206,7 +206,7 @@ impl RowGroup {
         let [start, step] = [reals.to_short_word(start), reals.to_short_word(step)];
         let slack = reals.constant(power(fraction as i32 - 10));
         let reach = reals.to_fixed(Real(cutoff), power(fraction as i32 - 28));
-        let mut together = RowReals::of(
+        let mut together = RowReals::new(
             math,
             RowNumbers {
                 seeds: SeedWords::of(
@@ -241,7 +241,7 @@ impl RowGroup {
     /// Are the words of footprint number `k` as large as most are, so that its constants are the kernel's?
     #[inline(always)]
     pub fn is_ordinary(&self, k: usize) -> bool {
-        self.members[k % WORDS].is_short && self.doubt[k % WORDS] == 0
+        self.doubt[k % WORDS] == 0
     }
 
     /// 2 A in the unit of radial indices.
@@ -255,10 +255,6 @@ impl RowGroup {
     pub fn reals<L: Doubles>(&self, k: usize, together: &RowReals<L>) -> RowReals<L> {
         let (k, lanes) = (k % WORDS, together.math.lanes);
         let mut reals = *together;
-        reals.line = RowLine {
-            shear: double(self.shear[k]),
-            curve: double(self.curve[k]),
-        };
         for (word, list) in reals.different().into_iter().zip(&self.constants) {
             *word = lanes.wide_splat(list[k]);
         }
@@ -281,13 +277,14 @@ impl RowGroup {
     /// Block of rows number `number`, of two, of footprint number `k`.
     #[inline(always)]
     pub fn block(&self, k: usize, number: usize) -> RealBlock {
-        let [y, end] = self.members[k % WORDS].rows;
+        let k = k % WORDS;
+        let [y, end] = self.members[k].rows;
         let last = (y - y % BLOCK).saturating_add(BLOCK * (number as u16 + 1));
-        let [centre, value, change] = &self.seeds[number % 2];
+        let [centre, value, change] = &self.seeds[number % ROW_BLOCKS];
         RealBlock {
             end: last.min(end),
-            centre: double(centre[k % WORDS]),
-            vertical: [double(value[k % WORDS]), double(change[k % WORDS])],
+            centre: [centre[k], self.shear[k]].map(double),
+            vertical: [value[k], change[k], self.curve[k]].map(double),
         }
     }
 }

@@ -10,10 +10,10 @@
 
 use super::lanes::Doubles;
 use super::lanes::singles::HAS_FUSED_ADD;
-use super::row_words::{Runs, SeedWords, SquaredWidth, longest_rest, most_bits, seeds};
+use super::row_words::{Runs, SeedWords, SquaredWidth, seeds};
 use super::setup::number::{Arithmetic, power};
 use super::tile::TILE;
-use splatline::raster::{REST, RowBlock, RowConstants};
+use splatline::raster::REST;
 
 /// Integers below this have no error in a double, nor has a sum of three of them and a rounding bit.
 pub const MOST: f64 = (1u64 << 49) as f64;
@@ -67,7 +67,6 @@ fn splat<L: Doubles>(lanes: L, value: f64) -> L::Word {
 pub struct RowReals<L: Doubles> {
     pub math: Arithmetic<L>,
     seeds: SeedWords<L>,
-    pub line: RowLine,
     reach: L::Word,
     /// One past the longest rest that the table takes, and past the longest square of a half-width whose distances fit
     /// the seeds.
@@ -82,22 +81,15 @@ pub struct RowReals<L: Doubles> {
     turn_of_down: L::Word,
 }
 
-/// What is never needed of several footprints at once.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct RowLine {
-    /// Change of the centre per row.
-    pub shear: f64,
-    /// Change of the change of the vertical distance.
-    pub curve: f64,
-}
-
-/// The seeds of a block of rows: xc - 1/2 in the first one, C dy^2 and its change.
+/// The seeds of a block of one footprint's rows.
 #[derive(Clone, Copy, Debug)]
 pub struct RealBlock {
     /// One past the last row.
     pub end: u16,
-    pub centre: f64,
-    pub vertical: [f64; 2],
+    /// xc - 1/2 in the first row, and its change per row.
+    pub centre: [f64; 2],
+    /// C dy^2 in the first row, its change to the next one, and the change of that.
+    pub vertical: [f64; 3],
 }
 
 /// Some rows' words, and what leads to the next ones.
@@ -117,7 +109,7 @@ pub struct RealSpan<L: Doubles> {
     down: L::Word,
 }
 
-/// What [`RowReals`] follow from, of a footprint or of one in each word.
+/// What [`RowReals`] follow from.
 pub struct RowNumbers<L: Doubles> {
     pub seeds: SeedWords<L>,
     /// Fraction bits of C dy^2.
@@ -140,34 +132,9 @@ pub struct RowNumbers<L: Doubles> {
 pub const DIFFERENT: usize = 14;
 
 impl<L: Doubles> RowReals<L> {
-    /// Of a footprint whose words are [tame](super::row_words::is_tame).
+    /// From these numbers, of a footprint in each word.
     #[inline(always)]
-    pub fn new(math: Arithmetic<L>, constants: &RowConstants<i64>) -> Self {
-        let (mantissa, odd, half) = constants.squared_width;
-        let squared_width = (mantissa << odd) as f64 * power(2 * half.max(-400) - 64);
-        let reals = RowReals::of(
-            math,
-            RowNumbers {
-                seeds: SeedWords::new(math, constants),
-                fraction: constants.vertical_fraction,
-                longest_rest: longest_rest(constants.drops.1, constants.vertical_fraction),
-                reach: splat(math.lanes, constants.reach as f64),
-                squared_width: splat(math.lanes, squared_width),
-                table: SquaredWidth::new(math, constants),
-                unit: math.splat(i64::from(constants.drops.0) - 32),
-                most_bits: math.splat(most_bits(constants).into()),
-            },
-        );
-        let line = RowLine {
-            shear: constants.shear as f64 * power(-32),
-            curve: constants.curve as f64 * scale(constants.vertical_fraction),
-        };
-        RowReals { line, ..reals }
-    }
-
-    /// Without what one footprint alone needs.
-    #[inline(always)]
-    pub fn of(math: Arithmetic<L>, numbers: RowNumbers<L>) -> Self {
+    pub fn new(math: Arithmetic<L>, numbers: RowNumbers<L>) -> Self {
         let (lanes, seeds) = (math.lanes, numbers.seeds);
         let below = numbers.fraction.saturating_sub(REST) as i32;
         // Roots are wrong by less than this leaves.
@@ -177,7 +144,6 @@ impl<L: Doubles> RowReals<L> {
         let to_dx = powers(math, math.negate(numbers.unit));
         RowReals {
             math,
-            line: RowLine::default(),
             reach: lanes.double_mul(numbers.reach, splat(lanes, scale(numbers.fraction))),
             longest: [
                 splat(lanes, power(numbers.longest_rest as i32 - below)),
@@ -242,30 +208,15 @@ impl<L: Doubles> RowReals<L> {
         self.math.sub(a, self.splat(WHOLE))
     }
 
-    /// A block of the kernel's words; `None` where they are too large.
-    #[inline(always)]
-    pub fn block(&self, block: &RowBlock, scale: f64) -> Option<RealBlock> {
-        let RowLine { shear, curve } = self.line;
-        let [vertical, change] = block.vertical.map(|word| word as f64 * scale);
-        let centre = block.centre as f64 * power(-32);
-        let largest = vertical.abs() + ROWS * (change.abs() + ROWS * curve.abs());
-        let farthest = centre.abs() + ROWS * shear.abs();
-        // Words of more bits than a double are larger than this however they were rounded.
-        (largest < MOST * scale && farthest < FARTHEST).then_some(RealBlock {
-            end: block.end,
-            centre,
-            vertical: [vertical, change],
-        })
-    }
-
     /// The first rows of a block.
     #[inline(always)]
     pub fn rows(&self, block: &RealBlock) -> RealRows<L> {
         let lanes = self.math.lanes;
         let width = L::WIDE as f64;
         let (numbers, pairs) = (lanes.wide_load(&NUMBERS), lanes.wide_load(&PAIRS));
-        let [shear, curve] = [self.splat(self.line.shear), self.splat(self.line.curve)];
+        let [centre, shear] = [self.splat(block.centre[0]), self.splat(block.centre[1])];
         let [vertical, change] = [self.splat(block.vertical[0]), self.splat(block.vertical[1])];
+        let curve = self.splat(block.vertical[2]);
         let wider = lanes.double_mul(curve, self.splat(width));
         let along = self.exact(
             change,
@@ -273,7 +224,7 @@ impl<L: Doubles> RowReals<L> {
             lanes.double_mul(curve, self.splat(width * (width - 1.0) / 2.0)),
         );
         RealRows {
-            centre: self.exact(numbers, shear, self.splat(block.centre)),
+            centre: self.exact(numbers, shear, centre),
             vertical: self.exact(numbers, change, self.exact(pairs, curve, vertical)),
             slope: lanes.double_mul(shear, self.splat(width)),
             change: self.exact(numbers, wider, along),

@@ -1,19 +1,90 @@
 //! A footprint's rows in words of 64 bits, a row in each: root, span and seeds, as the kernel's
 //! [`EllipseSpans`](splatline::raster::EllipseSpans) have them.
 //!
+//! Both sequences down the rows are polynomials in integers that wrap: row k has `centre + k slope` and
+//! `vertical + k change + k (k - 1) / 2 second`, without an order of summation.
+//!
 //! [`row_reals`](super::row_reals) takes the seeds and the root's table from here and computes the rest in doubles.
 //! What words could not hold is told by [`is_tame`] beforehand and by [`excess`] afterwards.
 
 use super::lanes::Wide;
-use super::recurrence::has_short_squared_width;
 use super::setup::number::{Arithmetic, RoundingShift};
-use splatline::raster::{BLOCK, REST, RowConstants};
+use splatline::raster::{BLOCK, REST, RowBlock, RowConstants};
+
+/// Most words of a vector.
+const WORDS: usize = 8;
 
 /// Bits of the longest rest of the cut-off that the root takes, of a mantissa and C dy^2 with so many.
 #[inline(always)]
 pub fn longest_rest(mantissa: u32, vertical_fraction: u32) -> u32 {
     let bits = if mantissa <= 18 { 28 } else { 32 };
     vertical_fraction.saturating_sub(REST).min(31) + bits
+}
+
+/// xc - 1/2 and C dy^2 of some rows, and what leads to the next ones.
+pub struct RowVectors<L: Wide> {
+    /// xc - 1/2 of each row.
+    pub centre: L::Word,
+    /// C dy^2 of each row.
+    pub vertical: L::Word,
+    slope: L::Word,
+    change: L::Word,
+    second: L::Word,
+    /// The cut-off, and the largest rest of it so far.
+    reach: L::Word,
+    longest: L::Word,
+    limit: u32,
+}
+
+impl<L: Wide> RowVectors<L> {
+    /// The first rows of a block.
+    #[inline(always)]
+    pub fn new(lanes: L, constants: &RowConstants<i64>, block: &RowBlock) -> Self {
+        let splat = |value| lanes.wide_splat(value);
+        let width = L::WIDE as i64;
+        let rows: [i64; WORDS] = [0, 1, 2, 3, 4, 5, 6, 7];
+        let pairs: [i64; WORDS] = [0, 0, 1, 3, 6, 10, 15, 21];
+        let [rows, pairs] = [lanes.wide_load(&rows), lanes.wide_load(&pairs)];
+        let times = |rows: L::Word, value| lanes.wide_mul_whole(rows, splat(value));
+        let ([vertical, change], second) = (block.vertical, constants.curve);
+        // From row k to row k + w: w (change + k second) + w (w - 1) / 2 second.
+        let along = change
+            .wrapping_mul(width)
+            .wrapping_add(second.wrapping_mul(width * (width - 1) / 2));
+        let curved = lanes.wide_add(times(rows, change), times(pairs, second));
+        let along_of_row = times(rows, second.wrapping_mul(width));
+        RowVectors {
+            centre: lanes.wide_add(splat(block.centre), times(rows, constants.shear)),
+            vertical: lanes.wide_add(splat(vertical), curved),
+            slope: splat(constants.shear.wrapping_mul(width)),
+            change: lanes.wide_add(splat(along), along_of_row),
+            second: splat(second.wrapping_mul(width * width)),
+            reach: splat(constants.reach),
+            longest: splat(0),
+            limit: longest_rest(constants.drops.1, constants.vertical_fraction),
+        }
+    }
+
+    /// What the rows leave of the cut-off.
+    #[inline(always)]
+    pub fn rest(&self, lanes: L) -> L::Word {
+        lanes.wide_sub(self.reach, self.vertical)
+    }
+
+    /// On to the next rows.
+    #[inline(always)]
+    pub fn step(&mut self, lanes: L) {
+        self.longest = Arithmetic { lanes }.max(self.longest, self.rest(lanes));
+        self.centre = lanes.wide_add(self.centre, self.slope);
+        self.vertical = lanes.wide_add(self.vertical, self.change);
+        self.change = lanes.wide_add(self.change, self.second);
+    }
+
+    /// Bits of what the rows behind us left of the cut-off that the root does not take: 0 if there are none.
+    #[inline(always)]
+    pub fn excess(&self, lanes: L) -> L::Word {
+        lanes.wide_shr(self.longest, lanes.wide_splat(self.limit.into()))
+    }
 }
 
 /// Runs of several rows in one block: a word for each row. Empty where `end` is not beyond `x`.
@@ -31,6 +102,7 @@ pub struct Runs<L: Wide> {
 
 /// What is the same for all rows of a footprint, on vectors.
 pub struct RowWords<L: Wide> {
+    /// First column that runs may begin at, from the block that the window begins in, and one past the last.
     columns: [i64; 2],
     reach: L::Word,
     squared_width: SquaredWidth<L>,
@@ -46,8 +118,9 @@ impl<L: Wide> RowWords<L> {
     #[inline(always)]
     pub fn new(math: Arithmetic<L>, constants: &RowConstants<i64>) -> Self {
         let drop_dx = math.drop(math.splat(constants.drops.0.into()));
+        let ([first, last], [visible, end]) = (constants.bounds, constants.visible);
         RowWords {
-            columns: columns_of_runs(constants).map(i64::from),
+            columns: [first.max(visible - visible % BLOCK), last.min(end)].map(i64::from),
             reach: math.splat(constants.reach),
             squared_width: SquaredWidth::new(math, constants),
             drop: math.splat(constants.vertical_fraction.saturating_sub(REST).into()),
@@ -56,13 +129,6 @@ impl<L: Wide> RowWords<L> {
             seeds: SeedWords::new(math, constants),
         }
     }
-}
-
-/// First column that runs may begin at, from the block that the window begins in, and one past the last.
-#[inline(always)]
-pub fn columns_of_runs(constants: &RowConstants<i64>) -> [u16; 2] {
-    let ([first, last], [visible, end]) = (constants.bounds, constants.visible);
-    [first.max(visible - visible % BLOCK), last.min(end)]
 }
 
 /// What the seeds of a footprint's runs are computed from.
@@ -207,20 +273,24 @@ pub fn seeds<L: Wide>(
 /// Bits of the largest distance from the centre that are too many for the arithmetic of [`runs`]; 0 if there are none.
 #[inline(always)]
 pub fn excess<L: Wide>(lanes: L, constants: &RowConstants<i64>, large: L::Word) -> L::Word {
-    lanes.wide_shr(large, lanes.wide_splat(most_bits(constants).into()))
-}
-
-/// Bits that the distance from the centre may have.
-#[inline(always)]
-pub fn most_bits(constants: &RowConstants<i64>) -> u32 {
     // Designs of at most 15 bits keep dx below their mantissa, and all of a seed in 32 bits.
     // So do those whose products are shifted to the left, which must not reach the sign.
     let (_, bits, drop_radial, drop_first) = constants.drops;
-    if bits <= 15 || drop_radial.min(drop_first) < 0 {
+    let most = if bits <= 15 || drop_radial.min(drop_first) < 0 {
         bits
     } else {
         bits.max(30)
-    }
+    };
+    lanes.wide_shr(large, lanes.wide_splat(most.into()))
+}
+
+/// Do the words of so many rows fit the vectors' arithmetic, apart from what is noticed row by row?
+#[inline(always)]
+pub fn stays_near(constants: &RowConstants<i64>, count: usize) -> bool {
+    let farthest = 1 << 60;
+    let is_near = |block: &RowBlock| block.centre.unsigned_abs() < farthest;
+    constants.blocks.iter().all(is_near)
+        && constants.shear.unsigned_abs() < farthest / (count + WORDS) as u64
 }
 
 /// Are a footprint's words small enough for vectors, whatever the row?
@@ -229,7 +299,10 @@ pub fn is_tame(constants: &RowConstants<i64>) -> bool {
     let (_, bits, drop_radial, drop_first) = constants.drops;
     // A product of two mantissas, shifted to the left, stays below 2^62, and below 2^31 times a lane's word.
     let most_raised = (62 - 2 * bits as i32).clamp(0, 31);
-    has_short_squared_width(constants)
+    // Designs of at most 18 bits multiply the root's argument in two halves.
+    let short = if bits <= 18 { 18 } else { 32 };
+    constants.squared_width.0 < 1 << short
+        && constants.squared_width.2 <= 30
         && constants.horizontal.unsigned_abs() <= 1 << bits
         && drop_radial.min(drop_first) >= -most_raised
 }

@@ -10,9 +10,11 @@ use super::lanes::prefetch;
 use super::lanes::sums::{PixelSums, ShareShift};
 use super::lanes::{VectorLevel, words::PixelWords};
 use super::lanes::{VectorTask, dispatch_pixels};
-use super::painter::TableMemory;
+use super::painter::{CHECK_INTERVAL, TableMemory};
+use super::row_group::RowGroup;
 use super::rows::{Pixels, RowBatch, RuntimeRows};
 use super::setup::SurfaceOutcome;
+use super::setup::number::Arithmetic;
 use super::words::path::{EVEN, PathNumbers, PixelPath, SplatWords, WordPixels};
 use splatline::blend::surface::{Cell, Sample, WeightedSum, sum_fraction};
 use splatline::draw::Coverage;
@@ -192,58 +194,55 @@ impl VectorTask for GatherTask<'_, '_> {
         let numbers = self.numbers;
         let path = WordPixels::<L, EVEN>::new(lanes, &numbers.path);
         let words = DepthWords::new(lanes, numbers);
-        let mut batch = RowBatch::new();
+        let (mut group, mut batch) = (RowGroup::default(), RowBatch::new());
         let mut coverage = Coverage::default();
-        let left = self.tile.window.first[0];
+        let (window, left) = (self.tile.window, self.tile.window.first[0]);
         let (footprints, list) = (self.tile.footprints, self.tile.list);
-        for (number, index) in list.iter().enumerate() {
-            if let Some(next) = list.get(number + AHEAD) {
-                prefetch(&footprints[*next as usize]);
-            }
-            let Ok(footprint) = &footprints[*index as usize] else {
-                continue;
-            };
+        let mut ahead = list.iter().skip(AHEAD);
+        for (number, part) in list.chunks(CHECK_INTERVAL).enumerate() {
             if let Gather::Sums(tile) = &mut self.gather
-                && number % LOOK_INTERVAL == 0
+                && (number * CHECK_INTERVAL).is_multiple_of(LOOK_INTERVAL)
                 && !self.counts
             {
                 tile.look();
             }
-            if self.is_hidden(footprint) {
-                continue;
+            let mut seen = [None; CHECK_INTERVAL];
+            let mut count = 0;
+            for index in part {
+                if let Some(next) = ahead.next() {
+                    prefetch(&footprints[*next as usize]);
+                }
+                if let Ok(footprint) = &footprints[*index as usize]
+                    && !self.is_hidden(footprint)
+                {
+                    seen[count] = Some(footprint);
+                    count += 1;
+                }
             }
-            let values = numbers.attributes(&footprint.attributes)?;
-            let attributes = words.splat(lanes, &values, numbers, footprint.attributes.material);
-            let rows = numbers
-                .rows
-                .constants(&footprint.footprint, &self.tile.window);
-            let splat = numbers.path.splat(&footprint.footprint);
-            let splat = splat.filter(|_| is_near(footprint) && batch.fill(lanes, &rows, left));
-            let Some(splat) = splat else {
-                coverage += self.recorded(footprint, |task, place, Recorded { weight, depth }| {
-                    let mut alone = [0; 8];
-                    alone[0] = weight.into();
-                    let depths = lanes.wide_splat(depth.into());
-                    let seen = task.seen(lanes, place, depths, &attributes, lanes.first(1));
-                    let samples = SampleWords {
-                        weights: lanes.keep(lanes.wide_load(&alone), seen),
-                        depths,
-                    };
-                    task.take(lanes, footprint, place, &samples, &attributes);
-                });
-                continue;
-            };
-            let painted = Painted {
-                footprint,
-                splat: path.splat(&splat, rows.second),
-                words: attributes,
-            };
-            for row in 0..batch.rows() {
-                for block in batch.touched() {
-                    if let Some(run) = batch.block(block).run(row, left) {
-                        let y = rows.rows[0] + row as u16;
-                        coverage.visited += run.length as u64;
-                        coverage.covered += self.run_of(&path, &words, &painted, y, &run);
+            for seen in seen[..count].chunks(L::WIDE) {
+                for (k, footprint) in seen.iter().flatten().enumerate() {
+                    group.read(k, &footprint.footprint, &window);
+                }
+                let together = group.compute(Arithmetic { lanes }, &numbers.rows.widths(), left);
+                for (k, footprint) in seen.iter().flatten().copied().enumerate() {
+                    let values = numbers.attributes(&footprint.attributes)?;
+                    let material = footprint.attributes.material;
+                    let attributes = words.splat(lanes, &values, numbers, material);
+                    let of_group = (&together, &group, k);
+                    let shape = &footprint.footprint;
+                    if is_near(footprint)
+                        && let Some(splat) = numbers.path.splat(shape)
+                        && let Some((first, second)) =
+                            batch.fill(&numbers.rows, of_group, shape, (&window, left))
+                    {
+                        let painted = Painted {
+                            footprint,
+                            splat: path.splat(&splat, second),
+                            words: attributes,
+                        };
+                        coverage += self.paint_rows(&path, &words, &painted, (&batch, first));
+                    } else {
+                        coverage += self.paint_alone(lanes, footprint, &attributes);
                     }
                 }
             }
@@ -253,6 +252,49 @@ impl VectorTask for GatherTask<'_, '_> {
 }
 
 impl GatherTask<'_, '_> {
+    /// One footprint by the kernel.
+    #[inline(always)]
+    fn paint_alone<L: PixelSums>(
+        &mut self,
+        lanes: L,
+        footprint: &SurfaceFootprint,
+        attributes: &AttributeWords<L>,
+    ) -> Coverage {
+        self.recorded(footprint, |task, place, Recorded { weight, depth }| {
+            let mut alone = [0; 8];
+            alone[0] = weight.into();
+            let depths = lanes.wide_splat(depth.into());
+            let seen = task.seen(lanes, place, depths, attributes, lanes.first(1));
+            let samples = SampleWords {
+                weights: lanes.keep(lanes.wide_load(&alone), seen),
+                depths,
+            };
+            task.take(lanes, footprint, place, &samples, attributes);
+        })
+    }
+
+    /// The runs of a footprint whose rows begin with the one of this number.
+    #[inline(always)]
+    fn paint_rows<L: PixelSums>(
+        &mut self,
+        path: &WordPixels<L, EVEN>,
+        words: &DepthWords<L>,
+        painted: &Painted<L>,
+        (batch, first): (&RowBatch, u16),
+    ) -> Coverage {
+        let mut coverage = Coverage::default();
+        for row in 0..batch.rows() {
+            for block in batch.touched() {
+                if let Some(run) = batch.block(block).run(row, self.tile.window.first[0]) {
+                    let y = first + row as u16;
+                    coverage.visited += run.length as u64;
+                    coverage.covered += self.run_of(path, words, painted, y, &run);
+                }
+            }
+        }
+        coverage
+    }
+
     /// One run; the number of pixels inside.
     #[inline(always)]
     fn run_of<L: PixelSums>(

@@ -106,10 +106,8 @@ impl<D: Design + Send + Sync> TilePainter for WordPainter<D> {
             start,
             pixels,
         } = work;
-        let widths = self.kernel.design.widths();
-        let clear = Pixel::clear(&widths);
+        let clear = Pixel::clear(&self.kernel.design.widths());
         let painting = Painting {
-            widths,
             numbers: &self.numbers,
             single: self.single.as_ref(),
             rows: &self.rows,

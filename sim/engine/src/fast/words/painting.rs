@@ -14,14 +14,12 @@ use crate::fast::setup::number::Arithmetic;
 use crate::fast::tile::ROWS;
 use splatline::draw::Coverage;
 use splatline::footprint::Footprint;
-use splatline::format::Widths;
 use splatline::raster::Window;
 
 /// A tile to be painted, by whatever vectors. It knows a design only by its numbers, so that one compiled copy serves
 /// all.
 #[derive(Clone, Copy)]
 pub(super) struct Painting<'a> {
-    pub widths: Widths,
     pub numbers: &'a PathNumbers,
     pub single: Option<&'a SingleNumbers>,
     pub rows: &'a RuntimeRows,
@@ -127,9 +125,9 @@ impl<L: Doubles, P: PixelPath> Progress<'_, '_, L, P> {
                     self.group.read(k, footprint, &rows.intersect(&self.window));
                 }
             }
-            let together = self
-                .group
-                .compute(self.math, &self.painting.widths, self.corner[0]);
+            let together =
+                self.group
+                    .compute(self.math, &self.painting.rows.widths(), self.corner[0]);
             for (k, (index, _)) in indices.iter().enumerate() {
                 // A few at a time: many at once wait for each other.
                 for index in ahead.by_ref().take(each) {
@@ -180,14 +178,12 @@ impl<L: Doubles, P: PixelPath> Progress<'_, '_, L, P> {
         // A copy: whoever is called gets no reference into this structure.
         let (left, window) = (self.corner[0], self.window);
         let footprint = footprints[index as usize].as_ref().ok()?;
-        if let Some(splat) = self.painting.splat(footprint) {
-            if self.batch.fill_member(together, self.group, k, left) {
-                return Some((splat, self.group.member(k).rows[0], self.group.second(k)));
-            }
-            let rows = rows.constants_apart(footprint, &window);
-            if self.batch.fill(self.math.lanes, &rows, left) {
-                return Some((splat, rows.rows[0], rows.second));
-            }
+        let of_group = (together, &*self.group, k);
+        if let Some(splat) = self.painting.splat(footprint)
+            && let Some((first, second)) =
+                (self.batch).fill(rows, of_group, footprint, (&window, left))
+        {
+            return Some((splat, first, second));
         }
         self.coverage += (self.scalar)(index, self.tile);
         None

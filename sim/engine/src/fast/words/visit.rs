@@ -10,7 +10,9 @@ use crate::fast::lanes::sums::PixelSums;
 use crate::fast::lanes::words::PixelWords;
 use crate::fast::lanes::{VectorTask, dispatch_pixels};
 use crate::fast::painter::TableMemory;
+use crate::fast::row_group::RowGroup;
 use crate::fast::rows::{Pixels, RowBatch, RuntimeRows};
+use crate::fast::setup::number::Arithmetic;
 use crate::fast::tile::TILE;
 use splatline::footprint::Footprint;
 use splatline::raster::Window;
@@ -80,24 +82,33 @@ impl VectorTask for VisitTask<'_> {
     fn run<L: PixelSums>(self, lanes: L) {
         let OpacityVisitor { rows, path, .. } = self.visitor;
         let pixels = WordPixels::<L, EVEN>::new(lanes, path);
-        let (mut batch, mut memory) = (RowBatch::new(), [0; ROOM]);
+        let (mut group, mut batch) = (RowGroup::default(), RowBatch::new());
+        let mut memory = [0; ROOM];
         let left = self.window.first[0];
-        for index in self.list {
-            let footprint = &self.footprints[*index as usize];
-            let constants = rows.constants(footprint, &self.window);
-            let numbers = path.splat(footprint);
-            let Some(numbers) = numbers.filter(|_| batch.fill(lanes, &constants, left)) else {
-                (self.alone)(*index, self.take);
-                continue;
-            };
-            let splat = pixels.splat(&numbers, constants.second);
-            for row in 0..batch.rows() {
-                for block in batch.touched() {
-                    if let Some(run) = batch.block(block).run(row, left) {
-                        let place = [left + run.x as u16, constants.rows[0] + row as u16];
-                        opacities(&pixels, &splat, &run, &mut memory);
-                        (self.take)(*index, place, &memory[..run.length]);
+        for indices in self.list.chunks(L::WIDE) {
+            for (k, index) in indices.iter().enumerate() {
+                group.read(k, &self.footprints[*index as usize], &self.window);
+            }
+            let together = group.compute(Arithmetic { lanes }, &rows.widths(), left);
+            for (k, index) in indices.iter().enumerate() {
+                let footprint = &self.footprints[*index as usize];
+                let of_group = (&together, &group, k);
+                if let Some(numbers) = path.splat(footprint)
+                    && let Some((first, second)) =
+                        batch.fill(rows, of_group, footprint, (&self.window, left))
+                {
+                    let splat = pixels.splat(&numbers, second);
+                    for row in 0..batch.rows() {
+                        for block in batch.touched() {
+                            if let Some(run) = batch.block(block).run(row, left) {
+                                let place = [left + run.x as u16, first + row as u16];
+                                opacities(&pixels, &splat, &run, &mut memory);
+                                (self.take)(*index, place, &memory[..run.length]);
+                            }
+                        }
                     }
+                } else {
+                    (self.alone)(*index, self.take);
                 }
             }
         }
