@@ -12,7 +12,6 @@ pub mod depth_first;
 pub mod frame;
 pub mod lanes;
 pub mod order;
-mod paint;
 mod painter;
 mod row_group;
 mod row_reals;
@@ -23,10 +22,9 @@ pub mod surface;
 pub mod tile;
 mod words;
 
-pub use paint::tile_painter;
 pub use painter::{
     CHECK_INTERVAL, PaintScratch, Results, Start, TableMemory, TilePainter, TileWork, table,
-    table_entries,
+    table_entries, tile_painter,
 };
 pub use tile::TILE;
 pub use words::visit::{OpacityVisitor, TakeOpacities};

@@ -8,7 +8,7 @@
 //!
 //! Columns are in pixels, what is left of the cut-off in units of 2^-[`REST`].
 
-use super::lanes::Doubles;
+use super::lanes::Lanes;
 use super::lanes::singles::HAS_FUSED_ADD;
 use super::row_words::{Runs, SeedWords, SquaredWidth, seeds};
 use super::setup::number::{Arithmetic, power};
@@ -53,19 +53,19 @@ pub fn scale(fraction: u32) -> f64 {
 
 /// [`power`] in each word.
 #[inline(always)]
-fn powers<L: Doubles>(math: Arithmetic<L>, exponent: L::Word) -> L::Word {
-    math.shl(math.plus(exponent, 1023), 52)
+fn powers<L: Lanes>(lanes: L, exponent: L::Word) -> L::Word {
+    lanes.shl_by(lanes.plus(exponent, 1023), 52)
 }
 
 #[inline(always)]
-fn splat<L: Doubles>(lanes: L, value: f64) -> L::Word {
-    lanes.wide_splat(value.to_bits() as i64)
+fn splat<L: Lanes>(lanes: L, value: f64) -> L::Word {
+    lanes.splat(value.to_bits() as i64)
 }
 
 /// What is the same for all rows of a footprint, or of a footprint in each word.
 #[derive(Clone, Copy)]
-pub struct RowReals<L: Doubles> {
-    pub math: Arithmetic<L>,
+pub struct RowReals<L: Lanes> {
+    pub lanes: L,
     seeds: SeedWords<L>,
     reach: L::Word,
     /// One past the longest rest that the table takes, and past the longest square of a half-width whose distances fit
@@ -94,7 +94,7 @@ pub struct RealBlock {
 
 /// Some rows' words, and what leads to the next ones.
 #[derive(Clone, Copy)]
-pub struct RealRows<L: Doubles> {
+pub struct RealRows<L: Lanes> {
     centre: L::Word,
     vertical: L::Word,
     slope: L::Word,
@@ -103,14 +103,14 @@ pub struct RealRows<L: Doubles> {
 }
 
 /// Where some rows begin, negative, and end, and what the vertical distance adds to their radial indices.
-pub struct RealSpan<L: Doubles> {
+pub struct RealSpan<L: Lanes> {
     left: L::Word,
     end: L::Word,
     down: L::Word,
 }
 
 /// What [`RowReals`] follow from.
-pub struct RowNumbers<L: Doubles> {
+pub struct RowNumbers<L: Lanes> {
     pub seeds: SeedWords<L>,
     /// Fraction bits of C dy^2.
     pub fraction: u32,
@@ -131,19 +131,19 @@ pub struct RowNumbers<L: Doubles> {
 /// Words of [`RowReals`] that differ between footprints.
 pub const DIFFERENT: usize = 14;
 
-impl<L: Doubles> RowReals<L> {
+impl<L: Lanes> RowReals<L> {
     /// From these numbers, of a footprint in each word.
     #[inline(always)]
-    pub fn new(math: Arithmetic<L>, numbers: RowNumbers<L>) -> Self {
-        let (lanes, seeds) = (math.lanes, numbers.seeds);
+    pub fn new(lanes: L, numbers: RowNumbers<L>) -> Self {
+        let seeds = numbers.seeds;
         let below = numbers.fraction.saturating_sub(REST) as i32;
         // Roots are wrong by less than this leaves.
         let almost = splat(lanes, 1.0 - 1.0 / 1024.0);
-        let farthest = powers(math, math.add(numbers.most_bits, numbers.unit));
+        let farthest = powers(lanes, lanes.add(numbers.most_bits, numbers.unit));
         let farthest = lanes.double_mul(farthest, almost);
-        let to_dx = powers(math, math.negate(numbers.unit));
+        let to_dx = powers(lanes, lanes.negate(numbers.unit));
         RowReals {
-            math,
+            lanes,
             reach: lanes.double_mul(numbers.reach, splat(lanes, scale(numbers.fraction))),
             longest: [
                 splat(lanes, power(numbers.longest_rest as i32 - below)),
@@ -151,12 +151,12 @@ impl<L: Doubles> RowReals<L> {
             ],
             squared_width: numbers.squared_width,
             table: numbers.table,
-            to_dx: lanes.double_sub(math.splat(0), to_dx),
+            to_dx: lanes.double_sub(lanes.splat(0), to_dx),
             to_down: powers(
-                math,
-                math.sub(math.splat(below.into()), seeds.drop_vertical.by),
+                lanes,
+                lanes.sub(lanes.splat(below.into()), seeds.drop_vertical.by),
             ),
-            turn_of_down: math.sub(splat(lanes, WHOLE), math.turn_of(seeds.drop_vertical)),
+            turn_of_down: lanes.sub(splat(lanes, WHOLE), lanes.turn_of(seeds.drop_vertical)),
             seeds,
         }
     }
@@ -180,13 +180,13 @@ impl<L: Doubles> RowReals<L> {
     /// The number in each word.
     #[inline(always)]
     pub fn splat(&self, value: f64) -> L::Word {
-        splat(self.math.lanes, value)
+        splat(self.lanes, value)
     }
 
     /// a b + c, of which the product is exact.
     #[inline(always)]
     fn exact(&self, a: L::Word, b: L::Word, c: L::Word) -> L::Word {
-        let lanes = self.math.lanes;
+        let lanes = self.lanes;
         if HAS_FUSED_ADD {
             lanes.double_mul_add(a, b, c)
         } else {
@@ -197,7 +197,7 @@ impl<L: Doubles> RowReals<L> {
     /// a b to the nearest integer, halves up, [`WHOLE`] more.
     #[inline(always)]
     fn rounded(&self, a: L::Word, b: L::Word) -> L::Word {
-        let lanes = self.math.lanes;
+        let lanes = self.lanes;
         let floor = lanes.double_floor(self.exact(a, b, self.splat(0.5)));
         lanes.double_add(floor, self.splat(WHOLE))
     }
@@ -205,15 +205,15 @@ impl<L: Doubles> RowReals<L> {
     /// An integer, [`WHOLE`] more, as a word.
     #[inline(always)]
     fn word(&self, a: L::Word) -> L::Word {
-        self.math.sub(a, self.splat(WHOLE))
+        self.lanes.sub(a, self.splat(WHOLE))
     }
 
     /// The first rows of a block.
     #[inline(always)]
     pub fn rows(&self, block: &RealBlock) -> RealRows<L> {
-        let lanes = self.math.lanes;
+        let lanes = self.lanes;
         let width = L::WIDE as f64;
-        let (numbers, pairs) = (lanes.wide_load(&NUMBERS), lanes.wide_load(&PAIRS));
+        let (numbers, pairs) = (lanes.load(&NUMBERS), lanes.load(&PAIRS));
         let [centre, shear] = [self.splat(block.centre[0]), self.splat(block.centre[1])];
         let [vertical, change] = [self.splat(block.vertical[0]), self.splat(block.vertical[1])];
         let curve = self.splat(block.vertical[2]);
@@ -235,7 +235,7 @@ impl<L: Doubles> RowReals<L> {
     /// On to the next rows.
     #[inline(always)]
     pub fn step(&self, rows: &RealRows<L>) -> RealRows<L> {
-        let lanes = self.math.lanes;
+        let lanes = self.lanes;
         RealRows {
             centre: lanes.double_add(rows.centre, rows.slope),
             vertical: lanes.double_add(rows.vertical, rows.change),
@@ -247,7 +247,7 @@ impl<L: Doubles> RowReals<L> {
     /// The spans of some rows within the ellipse. `longest` becomes the most that a row leaves of the cut-off.
     #[inline(always)]
     pub fn span(&self, rows: &RealRows<L>, longest: &mut L::Word) -> RealSpan<L> {
-        let (lanes, zero) = (self.math.lanes, self.splat(0.0));
+        let (lanes, zero) = (self.lanes, self.splat(0.0));
         let rest = lanes.double_sub(self.reach, rows.vertical);
         *longest = lanes.double_max(*longest, rest);
         let open = lanes.double_greater(rest, zero);
@@ -260,15 +260,15 @@ impl<L: Doubles> RowReals<L> {
         let left_of = lanes.double_sub(left, lanes.double_sub(nearer, rows.centre));
         let right_of = lanes.double_sub(right, lanes.double_add(nearer, rows.centre));
         let doubt = lanes.double_max(lanes.double_max(left_of, right_of), zero);
-        if lanes.wide_any(lanes.wide_select(zero, doubt, open)) {
+        if lanes.any(lanes.select(zero, doubt, open)) {
             (left, right) = self.ends(rows.centre, self.half_by_table(narrow));
         }
         let end = lanes.double_add(right, self.splat(1.0));
         RealSpan {
             left,
-            end: lanes.wide_select(zero, end, open),
+            end: lanes.select(zero, end, open),
             down: self
-                .math
+                .lanes
                 .sub(self.rounded(rows.vertical, self.to_down), self.turn_of_down),
         }
     }
@@ -276,7 +276,7 @@ impl<L: Doubles> RowReals<L> {
     /// First columns, negative, and last ones within so much of the centre.
     #[inline(always)]
     fn ends(&self, centre: L::Word, half: L::Word) -> (L::Word, L::Word) {
-        let lanes = self.math.lanes;
+        let lanes = self.lanes;
         (
             lanes.double_floor(lanes.double_sub(half, centre)),
             lanes.double_floor(lanes.double_add(half, centre)),
@@ -286,15 +286,14 @@ impl<L: Doubles> RowReals<L> {
     /// The kernel's half-widths.
     #[inline(always)]
     fn half_by_table(&self, narrow: L::Word) -> L::Word {
-        let lanes = self.math.lanes;
+        let lanes = self.lanes;
         let narrow = self.word(lanes.double_add(narrow, self.splat(WHOLE)));
-        let half = self.table.half_of(self.math, narrow);
-        let mut halves = [0; 8];
-        lanes.wide_store(&mut halves, half);
+        let half = self.table.half_of(self.lanes, narrow);
+        let mut halves = lanes.list(half);
         for half in &mut halves {
             *half = (*half as f64 * power(-32)).to_bits() as i64;
         }
-        lanes.wide_load(&halves)
+        lanes.load(&halves)
     }
 
     /// The runs of some rows between these columns, the first one negative, by [`seeds`].
@@ -305,7 +304,7 @@ impl<L: Doubles> RowReals<L> {
         span: &RealSpan<L>,
         [first, last]: [L::Word; 2],
     ) -> Runs<L> {
-        let lanes = self.math.lanes;
+        let lanes = self.lanes;
         let left = lanes.double_min(span.left, first);
         let end = lanes.double_min(span.end, last);
         let dx = self.rounded(lanes.double_add(left, rows.centre), self.to_dx);
@@ -313,17 +312,17 @@ impl<L: Doubles> RowReals<L> {
         let x = lanes.double_sub(whole, left);
         let end = lanes.double_add(whole, end);
         let columns = [self.word(x), self.word(end)];
-        seeds(self.math, &self.seeds, columns, [self.word(dx), span.down])
+        seeds(self.lanes, &self.seeds, columns, [self.word(dx), span.down])
     }
 
     /// Is something left of the cut-off that table or seeds do not take? Not 0 where it is.
     #[inline(always)]
     pub fn excess(&self, longest: L::Word) -> L::Word {
-        let (lanes, zero, one) = (self.math.lanes, self.math.splat(0), self.math.splat(1));
+        let (lanes, zero, one) = (self.lanes, self.lanes.splat(0), self.lanes.splat(1));
         let square = lanes.double_mul(longest, self.squared_width);
         let fits = lanes.double_greater(self.longest[0], longest);
         let near = lanes.double_greater(self.longest[1], square);
-        let excess = lanes.wide_select(one, zero, fits);
-        lanes.wide_select(one, excess, near)
+        let excess = lanes.select(one, zero, fits);
+        lanes.select(one, excess, near)
     }
 }

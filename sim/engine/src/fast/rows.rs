@@ -8,11 +8,10 @@
 //!
 //! [`EllipseSpans`]: splatline::raster::EllipseSpans
 
-use super::lanes::{Doubles, Wide, apart};
+use super::lanes::{Lanes, apart};
 use super::row_group::{ROW_BLOCKS, RowGroup};
 use super::row_reals::RowReals;
 use super::row_words::{RowVectors, RowWords, Runs, excess, is_tame, runs, stays_near};
-use super::setup::number::Arithmetic;
 use super::tile::{ROOM, ROWS, TILE};
 use core::ops::Range;
 use splatline::footprint::Footprint;
@@ -80,17 +79,17 @@ impl BlockSpans {
 
     /// Notes the runs of the rows from number `start` on.
     #[inline(always)]
-    fn store<L: Wide>(&mut self, lanes: L, start: usize, runs: Runs<L>) {
-        lanes.wide_store(window_mut(&mut self.x, start), runs.x);
-        lanes.wide_store(window_mut(&mut self.end, start), runs.end);
-        lanes.wide_store(window_mut(&mut self.radial, start), runs.radial);
-        lanes.wide_store(window_mut(&mut self.first, start), runs.first);
+    fn store<L: Lanes>(&mut self, lanes: L, start: usize, runs: Runs<L>) {
+        lanes.store(window_mut(&mut self.x, start), runs.x);
+        lanes.store(window_mut(&mut self.end, start), runs.end);
+        lanes.store(window_mut(&mut self.radial, start), runs.radial);
+        lanes.store(window_mut(&mut self.first, start), runs.first);
     }
 
     /// First column of the rows from number `start` on, and one past the last.
     #[inline(always)]
-    pub fn columns<L: Wide>(&self, lanes: L, start: usize) -> [L::Word; 2] {
-        [&self.x, &self.end].map(|list| lanes.wide_load(window(list, start)))
+    pub fn columns<L: Lanes>(&self, lanes: L, start: usize) -> [L::Word; 2] {
+        [&self.x, &self.end].map(|list| lanes.load(window(list, start)))
     }
 
     /// Radial index and first difference at the first column of row number `row`.
@@ -156,7 +155,7 @@ impl RowBatch {
     /// first row and second difference, or `None` if vectors cannot. `together` is what the group's computation gave,
     /// for a tile that begins at column `left`.
     #[inline(always)]
-    pub fn fill<L: Doubles>(
+    pub fn fill<L: Lanes>(
         &mut self,
         rows: &RuntimeRows,
         (together, group, k): (&RowReals<L>, &RowGroup, usize),
@@ -168,9 +167,9 @@ impl RowBatch {
         }
         let constants = rows.constants(footprint, window);
         let filled = if L::ROWS_APART {
-            apart(|| self.fill_in_words(together.math, &constants, left))
+            apart(|| self.fill_in_words(together.lanes, &constants, left))
         } else {
-            self.fill_in_words(together.math, &constants, left)
+            self.fill_in_words(together.lanes, &constants, left)
         };
         filled.then_some((constants.rows[0], constants.second))
     }
@@ -185,7 +184,7 @@ impl RowBatch {
 
     /// In double precision; `false` where that has not all bits.
     #[inline(always)]
-    fn fill_in_reals<L: Doubles>(
+    fn fill_in_reals<L: Lanes>(
         &mut self,
         together: &RowReals<L>,
         group: &RowGroup,
@@ -199,7 +198,7 @@ impl RowBatch {
         }
         let reals = group.reals(k, together);
         let columns = group.columns(k, &reals);
-        let mut longest = reals.math.splat(0);
+        let mut longest = reals.lanes.splat(0);
         let touched = self.touched();
         let [first, last] = member.rows;
         let count = usize::from(last.saturating_sub(first)).min(ROWS);
@@ -217,7 +216,7 @@ impl RowBatch {
                 for (number, spans) in self.blocks.iter_mut().enumerate() {
                     if touched.contains(&number) {
                         let runs = reals.runs(&rows, &span, columns[number]);
-                        spans.store(reals.math.lanes, start, runs);
+                        spans.store(reals.lanes, start, runs);
                     }
                 }
                 rows = reals.step(&rows);
@@ -226,14 +225,14 @@ impl RowBatch {
             start = end;
         }
         self.rows = count;
-        !reals.math.lanes.wide_any(reals.excess(longest))
+        !reals.lanes.any(reals.excess(longest))
     }
 
     /// The same with all of a row in words; `false` where they are too large.
     #[inline(always)]
-    fn fill_in_words<L: Wide>(
+    fn fill_in_words<L: Lanes>(
         &mut self,
-        math: Arithmetic<L>,
+        lanes: L,
         constants: &RowConstants<i64>,
         left: u16,
     ) -> bool {
@@ -243,8 +242,8 @@ impl RowBatch {
         if !is_tame(constants) || !stays_near(constants, count) {
             return false;
         }
-        let (lanes, words) = (math.lanes, RowWords::new(math, constants));
-        let (mut large, mut long) = (math.splat(0), math.splat(0));
+        let words = RowWords::new(lanes, constants);
+        let (mut large, mut long) = (lanes.splat(0), lanes.splat(0));
         let mut start = 0;
         for block in &constants.blocks {
             let end = usize::from(block.end.saturating_sub(first)).min(count);
@@ -257,17 +256,17 @@ impl RowBatch {
                     let column = i64::from(left) + (number * usize::from(BLOCK)) as i64;
                     let columns = [column, column + i64::from(BLOCK)];
                     let [centre, vertical] = [rows.centre, rows.vertical];
-                    let runs = runs(math, &words, [centre, vertical], columns, &mut large);
+                    let runs = runs(lanes, &words, [centre, vertical], columns, &mut large);
                     self.blocks[number].store(lanes, start, runs);
                 }
                 rows.step(lanes);
                 start += L::WIDE;
             }
-            long = math.add(long, rows.excess(lanes));
+            long = lanes.add(long, rows.excess(lanes));
             start = end;
         }
         self.rows = count;
-        !lanes.wide_any(math.add(long, excess(lanes, constants, large)))
+        !lanes.any(lanes.add(long, excess(lanes, constants, large)))
     }
 
     /// Blocks that the footprint's box touches; the others hold what an earlier footprint left there.

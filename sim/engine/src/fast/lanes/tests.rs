@@ -1,6 +1,5 @@
 //! Every operation of every implementation against the portable arrays, word for word.
 
-use super::sums::PixelSums;
 use super::words::Falls;
 use super::*;
 use proptest::prelude::*;
@@ -18,10 +17,10 @@ impl VectorTask for &PixelOperations {
     type Output = Vec<[u64; 4]>;
 
     #[inline(always)]
-    fn run<L: PixelSums>(self, lanes: L) -> Self::Output {
-        let (a, b) = (lanes.read(&self.a, self.at), lanes.wide_load(&self.b));
-        let low = lanes.wide_splat(u32::MAX.into());
-        let truth = lanes.wide_greater(a, b);
+    fn run<L: Lanes>(self, lanes: L) -> Self::Output {
+        let (a, b) = (lanes.read(&self.a, self.at), lanes.load(&self.b));
+        let low = lanes.splat(u32::MAX.into());
+        let truth = lanes.greater(a, b);
         let first = lanes.first(self.count);
         let words = [
             a,
@@ -30,8 +29,8 @@ impl VectorTask for &PixelOperations {
             lanes.keep(a, first),
             lanes.keep(a, lanes.both(truth, first)),
             lanes.keep(a, lanes.except(truth, first)),
-            lanes.min_short(lanes.wide_and(a, low), lanes.wide_and(b, low)),
-            lanes.multiples(lanes.wide_splat(self.b[0])),
+            lanes.min_short(lanes.and(a, low), lanes.and(b, low)),
+            lanes.multiples(lanes.splat(self.b[0])),
             lanes.intervals(&self.falls, b),
         ];
         let mut results = Vec::new();
@@ -58,26 +57,25 @@ impl VectorTask for &WideOperations {
     type Output = [[i64; 4]; 18];
 
     #[inline(always)]
-    fn run<L: Doubles>(self, lanes: L) -> [[i64; 4]; 18] {
-        let (a, b) = (lanes.wide_load(&self.a), lanes.wide_load(&self.b));
-        let [x, y, z, w] = lanes.wide_columns(|k| self.rows[k]);
-        let [low, high] = lanes.wide_gather(&self.table, a);
-        let [inside, next] =
-            lanes.wide_gather(&self.table, lanes.wide_and(b, lanes.wide_splat(63)));
+    fn run<L: Lanes>(self, lanes: L) -> [[i64; 4]; 18] {
+        let (a, b) = (lanes.load(&self.a), lanes.load(&self.b));
+        let [x, y, z, w] = lanes.columns(|k| self.rows[k]);
+        let [low, high] = lanes.gather(&self.table, a);
+        let [inside, next] = lanes.gather(&self.table, lanes.and(b, lanes.splat(63)));
         let mut rows = [[0; 4]; 8];
-        lanes.wide_rows(&mut rows, [a, b, low, x]);
-        let turned = lanes.wide_columns(|k| rows[k]);
+        lanes.rows(&mut rows, [a, b, low, x]);
+        let turned = lanes.columns(|k| rows[k]);
         let words = [
             turned[0],
             turned[1],
             turned[2],
             turned[3],
-            lanes.wide_mul_whole(a, b),
-            lanes.wide_mul(a, b),
-            lanes.wide_mul_unsigned(a, b),
-            lanes.wide_sar_by(a, self.by),
-            lanes.wide_select(a, b, lanes.wide_greater(a, b)),
-            lanes.wide_select(a, b, lanes.double_greater(a, b)),
+            lanes.mul_whole(a, b),
+            lanes.mul(a, b),
+            lanes.mul_unsigned(a, b),
+            lanes.sar_by(a, self.by),
+            lanes.select(a, b, lanes.greater(a, b)),
+            lanes.select(a, b, lanes.double_greater(a, b)),
             x,
             y,
             z,
@@ -88,8 +86,7 @@ impl VectorTask for &WideOperations {
             next,
         ];
         words.map(|word| {
-            let mut stored = [0; 8];
-            lanes.wide_store(&mut stored, word);
+            let stored = lanes.list(word);
             std::array::from_fn(|k| stored[k])
         })
     }
@@ -97,7 +94,7 @@ impl VectorTask for &WideOperations {
 
 proptest! {
     #[test]
-    fn wide_operations_are_the_portable_ones(
+    fn operations_are_the_portable_ones(
         a: [i64; 8], b: [i64; 8], by in 0u32..64, rows: [[i32; 4]; 8], table in prop::collection::vec(any::<u32>(), 0..60),
     ) {
         let operations = WideOperations { a, b, by, rows, table };

@@ -22,8 +22,8 @@ impl VectorTask for &BothWays<'_> {
     type Output = [AllRuns; 2];
 
     #[inline(always)]
-    fn run<L: Doubles>(self, lanes: L) -> [AllRuns; 2] {
-        let (constants, math) = (self.constants, Arithmetic { lanes });
+    fn run<L: Lanes>(self, lanes: L) -> [AllRuns; 2] {
+        let constants = self.constants;
         let mut batch = RowBatch::new();
         let runs = |batch: &RowBatch, filled: bool| {
             let places = (0..batch.rows()).flat_map(|row| batch.touched().map(move |x| (row, x)));
@@ -34,11 +34,11 @@ impl VectorTask for &BothWays<'_> {
             };
             filled.then(|| places.map(run).collect())
         };
-        let filled = batch.fill_in_words(math, constants, 0);
+        let filled = batch.fill_in_words(lanes, constants, 0);
         let words = runs(&batch, filled);
         let (mut group, k) = (RowGroup::default(), L::WIDE - 1);
         group.read(k, self.footprint, self.window);
-        let together = group.compute(math, self.widths, 0);
+        let together = group.compute(lanes, self.widths, 0);
         let filled = batch.fill_in_reals(&together, &group, k, 0);
         if filled {
             let (rows, visible) = (group.member(k).rows, group.member(k).visible);
@@ -85,12 +85,12 @@ proptest! {
         mantissa in 1u64..1 << 31, odd in 0u32..2, power in -40i32..=30, rest: u32, less in 0u32..32,
     ) {
         let rest = rest >> less;
-        let math = Arithmetic { lanes: Portable };
+        let lanes = Portable;
         let constants = RowConstants {
             squared_width: (mantissa, odd, power),
             ..RowConstants::<i64>::default()
         };
-        let table = SquaredWidth::new(math, &constants).half_of(math, [rest.into(); 8])[0];
+        let table = SquaredWidth::new(lanes, &constants).half_of(lanes, [rest.into(); 8])[0];
         let [table, product] = [table as f64, (mantissa << odd) as f64 * f64::from(rest)];
         let root = product.sqrt() * f64::from(power).exp2();
         let [relative, absolute] = crate::fast::row_reals::ERROR;

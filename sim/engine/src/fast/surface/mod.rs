@@ -6,15 +6,12 @@
 
 mod tile;
 
-use super::lanes::prefetch;
-use super::lanes::sums::{PixelSums, ShareShift};
-use super::lanes::{VectorLevel, words::PixelWords};
-use super::lanes::{VectorTask, dispatch_pixels};
+use super::lanes::words::ShareShift;
+use super::lanes::{Lanes, VectorLevel, VectorTask, dispatch_pixels, prefetch};
 use super::painter::{CHECK_INTERVAL, TableMemory};
 use super::row_group::RowGroup;
 use super::rows::{Pixels, RowBatch, RuntimeRows};
 use super::setup::SurfaceOutcome;
-use super::setup::number::Arithmetic;
 use super::words::path::{EVEN, PathNumbers, PixelPath, SplatWords, WordPixels};
 use splatline::blend::surface::{Cell, Sample, WeightedSum, sum_fraction};
 use splatline::draw::Coverage;
@@ -180,7 +177,7 @@ impl GatherTask<'_, '_> {
 }
 
 /// A footprint on vectors.
-struct Painted<'a, L: PixelSums> {
+struct Painted<'a, L: Lanes> {
     footprint: &'a SurfaceFootprint,
     splat: SplatWords<L>,
     words: AttributeWords<L>,
@@ -190,7 +187,7 @@ impl VectorTask for GatherTask<'_, '_> {
     type Output = Option<Coverage>;
 
     #[inline(always)]
-    fn run<L: PixelSums>(mut self, lanes: L) -> Option<Coverage> {
+    fn run<L: Lanes>(mut self, lanes: L) -> Option<Coverage> {
         let numbers = self.numbers;
         let path = WordPixels::<L, EVEN>::new(lanes, &numbers.path);
         let words = DepthWords::new(lanes, numbers);
@@ -223,7 +220,7 @@ impl VectorTask for GatherTask<'_, '_> {
                 for (k, footprint) in seen.iter().flatten().enumerate() {
                     group.read(k, &footprint.footprint, &window);
                 }
-                let together = group.compute(Arithmetic { lanes }, &numbers.rows.widths(), left);
+                let together = group.compute(lanes, &numbers.rows.widths(), left);
                 for (k, footprint) in seen.iter().flatten().copied().enumerate() {
                     let values = numbers.attributes(&footprint.attributes)?;
                     let material = footprint.attributes.material;
@@ -254,7 +251,7 @@ impl VectorTask for GatherTask<'_, '_> {
 impl GatherTask<'_, '_> {
     /// One footprint by the kernel.
     #[inline(always)]
-    fn paint_alone<L: PixelSums>(
+    fn paint_alone<L: Lanes>(
         &mut self,
         lanes: L,
         footprint: &SurfaceFootprint,
@@ -263,10 +260,10 @@ impl GatherTask<'_, '_> {
         self.recorded(footprint, |task, place, Recorded { weight, depth }| {
             let mut alone = [0; 8];
             alone[0] = weight.into();
-            let depths = lanes.wide_splat(depth.into());
+            let depths = lanes.splat(depth.into());
             let seen = task.seen(lanes, place, depths, attributes, lanes.first(1));
             let samples = SampleWords {
-                weights: lanes.keep(lanes.wide_load(&alone), seen),
+                weights: lanes.keep(lanes.load(&alone), seen),
                 depths,
             };
             task.take(lanes, footprint, place, &samples, attributes);
@@ -275,7 +272,7 @@ impl GatherTask<'_, '_> {
 
     /// The runs of a footprint whose rows begin with the one of this number.
     #[inline(always)]
-    fn paint_rows<L: PixelSums>(
+    fn paint_rows<L: Lanes>(
         &mut self,
         path: &WordPixels<L, EVEN>,
         words: &DepthWords<L>,
@@ -297,7 +294,7 @@ impl GatherTask<'_, '_> {
 
     /// One run; the number of pixels inside.
     #[inline(always)]
-    fn run_of<L: PixelSums>(
+    fn run_of<L: Lanes>(
         &mut self,
         path: &WordPixels<L, EVEN>,
         words: &DepthWords<L>,
@@ -309,20 +306,20 @@ impl GatherTask<'_, '_> {
         let x = self.tile.window.first[0] + pixels.x as u16;
         let step = painted.footprint.plane.step[0];
         let depth = painted.footprint.depth_at(x, y);
-        let mut depth = lanes.wide_add(
-            lanes.wide_splat(depth + words.half),
-            lanes.multiples(lanes.wide_splat(step)),
+        let mut depth = lanes.add(
+            lanes.splat(depth + words.half),
+            lanes.multiples(lanes.splat(step)),
         );
         let mut radial = path.start(splat, pixels);
         let mut covered = 0;
         for from in (0..pixels.length).step_by(L::WIDE) {
             let inside = path.inside(splat, radial[0], pixels.length - from);
-            covered += u64::from(lanes.wide_flags(inside).count_ones());
+            covered += u64::from(lanes.flags(inside).count_ones());
             let depths = words.in_pixel(lanes, depth);
             let place = [x + from as u16, y];
             let seen = self.seen(lanes, place, depths, &painted.words, inside);
             // Half of a closed surface's samples are hidden: they need no opacity.
-            if lanes.wide_flags(seen) != 0 {
+            if lanes.flags(seen) != 0 {
                 let samples = SampleWords {
                     weights: words.weight(lanes, path.alpha(splat, radial[0], seen)),
                     depths,
@@ -330,7 +327,7 @@ impl GatherTask<'_, '_> {
                 self.take(lanes, painted.footprint, place, &samples, &painted.words);
             }
             radial = path.step(splat, radial);
-            depth = lanes.wide_add(depth, lanes.wide_splat(step.wrapping_mul(L::WIDE as i64)));
+            depth = lanes.add(depth, lanes.splat(step.wrapping_mul(L::WIDE as i64)));
         }
         covered
     }
@@ -357,7 +354,7 @@ impl GatherTask<'_, '_> {
 
     /// Which of the samples may change a pixel?
     #[inline(always)]
-    fn seen<L: PixelSums>(
+    fn seen<L: Lanes>(
         &self,
         lanes: L,
         place: [u16; 2],
@@ -379,7 +376,7 @@ impl GatherTask<'_, '_> {
 
     /// Hands samples on.
     #[inline(always)]
-    fn take<L: PixelSums>(
+    fn take<L: Lanes>(
         &mut self,
         lanes: L,
         footprint: &SurfaceFootprint,
@@ -391,9 +388,8 @@ impl GatherTask<'_, '_> {
         match &mut self.gather {
             Gather::Sums(tile) => tile.add(lanes, in_tile, samples, words),
             Gather::Samples(take) => {
-                let [mut weights, mut depths] = [[0; 8]; 2];
-                lanes.wide_store(&mut weights, samples.weights);
-                lanes.wide_store(&mut depths, samples.depths);
+                let weights = lanes.list(samples.weights);
+                let depths = lanes.list(samples.depths);
                 let attributes = &footprint.attributes;
                 take(attributes, place, &weights[..L::WIDE], &depths[..L::WIDE]);
             }
@@ -402,7 +398,7 @@ impl GatherTask<'_, '_> {
 }
 
 /// What brings opacities to weights and the depth lane to a pixel's depth.
-struct DepthWords<L: PixelWords> {
+struct DepthWords<L: Lanes> {
     /// Left shift, half of a unit and right shift of an opacity.
     weight: [L::Word; 3],
     half: i64,
@@ -411,12 +407,12 @@ struct DepthWords<L: PixelWords> {
     threshold: L::Word,
 }
 
-impl<L: PixelSums> DepthWords<L> {
+impl<L: Lanes> DepthWords<L> {
     #[inline(always)]
     fn new(lanes: L, numbers: &GatherNumbers) -> Self {
         let drop = i64::from(DEPTH_FRACTION) - 23;
         let [up, half, down] = numbers.weight;
-        let splat = |word| lanes.wide_splat(word);
+        let splat = |word| lanes.splat(word);
         DepthWords {
             weight: [splat(up), splat(half), splat(down)],
             half: 1 << (drop - 1),
@@ -430,15 +426,15 @@ impl<L: PixelSums> DepthWords<L> {
     #[inline(always)]
     fn weight(&self, lanes: L, alpha: L::Word) -> L::Word {
         let [up, half, down] = self.weight;
-        lanes.wide_shr(lanes.wide_add(lanes.wide_shl(alpha, up), half), down)
+        lanes.shr(lanes.add(lanes.shl(alpha, up), half), down)
     }
 
     /// `depth_in_pixel` of depths to which half of a unit has been added.
     #[inline(always)]
     fn in_pixel(&self, lanes: L, depth: L::Word) -> L::Word {
         let depth = lanes.clear(depth, lanes.marked(depth));
-        let depth = lanes.wide_shr(depth, self.drop);
-        lanes.wide_select(depth, self.last, lanes.wide_greater(depth, self.last))
+        let depth = lanes.shr(depth, self.drop);
+        lanes.select(depth, self.last, lanes.greater(depth, self.last))
     }
 
     #[inline(always)]
@@ -451,7 +447,7 @@ impl<L: PixelSums> DepthWords<L> {
     ) -> AttributeWords<L> {
         AttributeWords {
             attributes: lanes.attributes(values, numbers.share),
-            material: lanes.wide_splat(material.into()),
+            material: lanes.splat(material.into()),
             threshold: self.threshold,
         }
     }

@@ -9,14 +9,13 @@
 mod live;
 mod painting;
 pub(super) mod path;
-mod reach;
 mod single;
 pub mod tile;
 pub mod visit;
 
-use super::lanes::sums::PixelSums;
-use super::lanes::{Doubles, VectorLevel, VectorTask};
-use super::lanes::{dispatch_pixels, dispatch_vectors};
+use super::lanes::{
+    Lanes, VectorLevel, VectorTask, dispatch_pixels, dispatch_vectors, draws_pixels,
+};
 use super::painter::{CHECK_INTERVAL, PaintScratch, Results, ScalarPainter, TilePainter, TileWork};
 use super::rows::RuntimeRows;
 use super::setup::Outcome;
@@ -52,6 +51,9 @@ impl<D: Design> WordPainter<D> {
         choice: VectorLevel,
         counts: bool,
     ) -> Option<Self> {
+        if !draws_pixels(choice) {
+            return None;
+        }
         let widths = design.widths();
         let kernel = ScalarPainter::new(design, rules, order, Traversal::Spans);
         let numbers = PathNumbers::new(&kernel.table, D::Lane::BITS)?;
@@ -106,10 +108,11 @@ impl<D: Design + Send + Sync> TilePainter for WordPainter<D> {
             start,
             pixels,
         } = work;
-        let clear = Pixel::clear(&self.kernel.design.widths());
+        let widths = self.kernel.design.widths();
+        let clear = Pixel::clear(&widths);
         let painting = Painting {
+            widths,
             numbers: &self.numbers,
-            single: self.single.as_ref(),
             rows: &self.rows,
             footprints,
             list,
@@ -145,8 +148,9 @@ impl<D: Design + Send + Sync> TilePainter for WordPainter<D> {
                 scalar: &|index, tile| self.paint_scalar(&footprints[index as usize], tile),
                 tile,
             };
-            let coverage = dispatch_pixels(self.level(footprints, list), task);
-            let coverage = coverage.unwrap_or_else(TilePainting::paint_scalar);
+            let Ok(coverage) = dispatch_pixels(self.level(footprints, list), task) else {
+                unreachable!("a painter is made where its vectors draw pixels")
+            };
             tile.copy(pixels);
             coverage
         });
@@ -170,7 +174,7 @@ impl VectorTask for TilePainting<'_, u64, PathNumbers> {
     type Output = Coverage;
 
     #[inline(always)]
-    fn run<L: PixelSums>(self, lanes: L) -> Coverage {
+    fn run<L: Lanes>(self, lanes: L) -> Coverage {
         match self.numbers.operator {
             OMIT_FINISHING => self.paint::<L, OMIT_FINISHING>(lanes),
             DRAW_FINISHING => self.paint::<L, DRAW_FINISHING>(lanes),
@@ -182,18 +186,8 @@ impl VectorTask for TilePainting<'_, u64, PathNumbers> {
 }
 
 impl TilePainting<'_, u64, PathNumbers> {
-    /// By the kernel, where there are no vectors after all.
-    #[cold]
-    fn paint_scalar(self) -> Coverage {
-        let mut coverage = Coverage::default();
-        for index in self.painting.list {
-            coverage += (self.scalar)(*index, self.tile);
-        }
-        coverage
-    }
-
     #[inline(always)]
-    fn paint<L: PixelSums, const OPERATOR: u8>(self, lanes: L) -> Coverage {
+    fn paint<L: Lanes, const OPERATOR: u8>(self, lanes: L) -> Coverage {
         let path = WordPixels::<L, OPERATOR>::new(lanes, self.numbers);
         self.painting.paint(lanes, &path, self.scalar, self.tile)
     }
@@ -203,7 +197,7 @@ impl VectorTask for TilePainting<'_, f32, SingleNumbers> {
     type Output = Coverage;
 
     #[inline(always)]
-    fn run<L: Doubles>(self, lanes: L) -> Coverage {
+    fn run<L: Lanes>(self, lanes: L) -> Coverage {
         if self.painting.numbers.operator == EVEN | OMIT_FINISHING {
             self.paint::<L, OMIT_FINISHING>(lanes)
         } else {
@@ -214,7 +208,7 @@ impl VectorTask for TilePainting<'_, f32, SingleNumbers> {
 
 impl TilePainting<'_, f32, SingleNumbers> {
     #[inline(always)]
-    fn paint<L: Doubles, const OPERATOR: u8>(self, lanes: L) -> Coverage {
+    fn paint<L: Lanes, const OPERATOR: u8>(self, lanes: L) -> Coverage {
         let path = SinglePixels::<_, OPERATOR>::new(lanes.singles(), self.numbers);
         self.painting.paint(lanes, &path, self.scalar, self.tile)
     }

@@ -3,25 +3,23 @@
 
 use super::live::LiveRuns;
 use super::path::{PathNumbers, PixelPath, SplatNumbers};
-use super::single::SingleNumbers;
 use super::tile::WordTile;
-use crate::fast::lanes::{Doubles, prefetch};
+use crate::fast::lanes::{Lanes, prefetch};
 use crate::fast::painter::{CHECK_INTERVAL, Results, Start};
 use crate::fast::row_group::RowGroup;
 use crate::fast::row_reals::RowReals;
 use crate::fast::rows::{RowBatch, RuntimeRows};
-use crate::fast::setup::number::Arithmetic;
 use crate::fast::tile::ROWS;
 use splatline::draw::Coverage;
-use splatline::footprint::Footprint;
+use splatline::format::Widths;
 use splatline::raster::Window;
 
 /// A tile to be painted, by whatever vectors. It knows a design only by its numbers, so that one compiled copy serves
 /// all.
 #[derive(Clone, Copy)]
 pub(super) struct Painting<'a> {
+    pub widths: Widths,
     pub numbers: &'a PathNumbers,
-    pub single: Option<&'a SingleNumbers>,
     pub rows: &'a RuntimeRows,
     pub footprints: &'a Results,
     pub list: &'a [u32],
@@ -34,9 +32,9 @@ pub(super) type PaintAlone<'a, W> = dyn Fn(u32, &mut WordTile<W>) -> Coverage + 
 
 /// Painting on its way through a list. Its memory is lent: what is indexed, or seen by a function that is not inlined,
 /// keeps a structure out of registers.
-struct Progress<'a, 'b, L: Doubles, P: PixelPath> {
+struct Progress<'a, 'b, L: Lanes, P: PixelPath> {
     painting: Painting<'a>,
-    math: Arithmetic<L>,
+    lanes: L,
     path: &'b P,
     scalar: &'b PaintAlone<'b, P::Word>,
     tile: &'b mut WordTile<P::Word>,
@@ -51,17 +49,9 @@ struct Progress<'a, 'b, L: Doubles, P: PixelPath> {
 }
 
 impl Painting<'_> {
-    /// What a footprint's pixels need beside its rows; `None` if it lies outside its formats.
-    #[inline(always)]
-    fn splat(&self, footprint: &Footprint) -> Option<SplatNumbers> {
-        let splat = self.numbers.splat(footprint)?;
-        let fits = self.single.is_none_or(|single| single.fits(&splat));
-        fits.then_some(splat)
-    }
-
     /// Paints the tile.
     #[inline(always)]
-    pub fn paint<L: Doubles, P: PixelPath>(
+    pub fn paint<L: Lanes, P: PixelPath>(
         self,
         lanes: L,
         path: &P,
@@ -71,7 +61,7 @@ impl Painting<'_> {
         let window = tile.window();
         let mut progress = Progress {
             painting: self,
-            math: Arithmetic { lanes },
+            lanes,
             path,
             scalar,
             tile,
@@ -96,7 +86,7 @@ impl Painting<'_> {
     }
 }
 
-impl<L: Doubles, P: PixelPath> Progress<'_, '_, L, P> {
+impl<L: Lanes, P: PixelPath> Progress<'_, '_, L, P> {
     /// Looks which pixels are in work; `false` if none is.
     #[inline(always)]
     fn look(&mut self) -> bool {
@@ -125,9 +115,9 @@ impl<L: Doubles, P: PixelPath> Progress<'_, '_, L, P> {
                     self.group.read(k, footprint, &rows.intersect(&self.window));
                 }
             }
-            let together =
-                self.group
-                    .compute(self.math, &self.painting.rows.widths(), self.corner[0]);
+            let together = self
+                .group
+                .compute(self.lanes, &self.painting.widths, self.corner[0]);
             for (k, (index, _)) in indices.iter().enumerate() {
                 // A few at a time: many at once wait for each other.
                 for index in ahead.by_ref().take(each) {
@@ -179,7 +169,8 @@ impl<L: Doubles, P: PixelPath> Progress<'_, '_, L, P> {
         let (left, window) = (self.corner[0], self.window);
         let footprint = footprints[index as usize].as_ref().ok()?;
         let of_group = (together, &*self.group, k);
-        if let Some(splat) = self.painting.splat(footprint)
+        if let Some(splat) = self.painting.numbers.splat(footprint)
+            && self.path.fits(&splat)
             && let Some((first, second)) =
                 (self.batch).fill(rows, of_group, footprint, (&window, left))
         {
@@ -198,7 +189,7 @@ impl<L: Doubles, P: PixelPath> Progress<'_, '_, L, P> {
         for block in self.batch.touched() {
             let runs = self.batch.block(block);
             let live = (&*self.tile, first);
-            let [mut left_over, long] = self.live.find(self.math, (runs, count), live, left);
+            let [mut left_over, long] = self.live.find(self.lanes, (runs, count), live, left);
             let rows = self.tile.rows();
             // If all runs are short; a choice row by row is foreseen by no branch. The tile's last row has none behind
             // it.

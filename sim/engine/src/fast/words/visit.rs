@@ -5,14 +5,10 @@
 //! those of painting, and whoever asked composites them.
 
 use super::path::{EVEN, PathNumbers, PixelPath, SplatWords, WordPixels};
-use crate::fast::lanes::VectorLevel;
-use crate::fast::lanes::sums::PixelSums;
-use crate::fast::lanes::words::PixelWords;
-use crate::fast::lanes::{VectorTask, dispatch_pixels};
+use crate::fast::lanes::{Lanes, VectorLevel, VectorTask, dispatch_pixels};
 use crate::fast::painter::TableMemory;
 use crate::fast::row_group::RowGroup;
 use crate::fast::rows::{Pixels, RowBatch, RuntimeRows};
-use crate::fast::setup::number::Arithmetic;
 use crate::fast::tile::TILE;
 use splatline::footprint::Footprint;
 use splatline::raster::Window;
@@ -79,7 +75,7 @@ impl VectorTask for VisitTask<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run<L: PixelSums>(self, lanes: L) {
+    fn run<L: Lanes>(self, lanes: L) {
         let OpacityVisitor { rows, path, .. } = self.visitor;
         let pixels = WordPixels::<L, EVEN>::new(lanes, path);
         let (mut group, mut batch) = (RowGroup::default(), RowBatch::new());
@@ -89,7 +85,7 @@ impl VectorTask for VisitTask<'_> {
             for (k, index) in indices.iter().enumerate() {
                 group.read(k, &self.footprints[*index as usize], &self.window);
             }
-            let together = group.compute(Arithmetic { lanes }, &rows.widths(), left);
+            let together = group.compute(lanes, &rows.widths(), left);
             for (k, index) in indices.iter().enumerate() {
                 let footprint = &self.footprints[*index as usize];
                 let of_group = (&together, &group, k);
@@ -120,7 +116,7 @@ const ROOM: usize = TILE[0] as usize + 8;
 
 /// Writes the opacities of a run's pixels.
 #[inline(always)]
-fn opacities<L: PixelWords>(
+fn opacities<L: Lanes>(
     pixels: &WordPixels<L, EVEN>,
     splat: &SplatWords<L>,
     run: &Pixels,
@@ -133,7 +129,7 @@ fn opacities<L: PixelWords>(
         let Some(room) = opacities[from % ROOM..].first_chunk_mut() else {
             break;
         };
-        lanes.wide_store(room, pixels.alpha(splat, radial[0], inside));
+        lanes.store(room, pixels.alpha(splat, radial[0], inside));
         radial = pixels.step(splat, radial);
     }
 }
