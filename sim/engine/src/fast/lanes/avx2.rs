@@ -170,9 +170,11 @@ impl Lanes for Avx2 {
         ])
     }
     #[inline(always)]
-    fn rows(self, to: &mut [[i32; 4]; 8], columns: [__m256i; 4]) {
-        let [to_0, to_1, to_2, to_3, ..] = to;
+    fn rows(self, columns: [__m256i; 4]) -> [[i32; 4]; 8] {
+        let mut to = [[0; 4]; 8];
+        let [to_0, to_1, to_2, to_3, ..] = &mut to;
         store_rows(self, [to_0, to_1, to_2, to_3], rows(self, columns));
+        to
     }
     #[inline(always)]
     fn store(self, to: &mut [i64; 8], value: __m256i) {

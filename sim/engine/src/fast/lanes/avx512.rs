@@ -65,16 +65,18 @@ impl Lanes for Avx512 {
         ])
     }
     #[inline(always)]
-    fn rows(self, to: &mut [[i32; 4]; 8], [a, b, c, d]: [__m512i; 4]) {
+    fn rows(self, [a, b, c, d]: [__m512i; 4]) -> [[i32; 4]; 8] {
+        let mut to = [[0; 4]; 8];
         let ([a, e], [b, f]) = (halves(self, a), halves(self, b));
         let ([c, g], [d, h]) = (halves(self, c), halves(self, d));
-        let [to_0, to_1, to_2, to_3, to_4, to_5, to_6, to_7] = to;
+        let [to_0, to_1, to_2, to_3, to_4, to_5, to_6, to_7] = &mut to;
         let (below, above) = (
             rows(self.avx2(), [a, b, c, d]),
             rows(self.avx2(), [e, f, g, h]),
         );
         store_rows(self.avx2(), [to_0, to_1, to_2, to_3], below);
         store_rows(self.avx2(), [to_4, to_5, to_6, to_7], above);
+        to
     }
     #[inline(always)]
     fn store(self, to: &mut [i64; 8], value: __m512i) {

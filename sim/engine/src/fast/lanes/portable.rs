@@ -64,8 +64,8 @@ impl Lanes for Portable {
         std::array::from_fn(|column| rows.map(|row| row[column].into()))
     }
     #[cfg_attr(not(test), inline(always))]
-    fn rows(self, to: &mut [[i32; 4]; 8], columns: [Words; 4]) {
-        *to = std::array::from_fn(|k| columns.map(|word| word[k] as i32));
+    fn rows(self, columns: [Words; 4]) -> [[i32; 4]; 8] {
+        std::array::from_fn(|k| columns.map(|word| word[k] as i32))
     }
     #[cfg_attr(not(test), inline(always))]
     fn store(self, to: &mut [i64; 8], value: Words) {

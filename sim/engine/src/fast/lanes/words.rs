@@ -81,8 +81,8 @@ pub trait Lanes: Copy + Send + Sync {
     fn load(self, from: &[i64; 8]) -> Self::Word;
     /// Four words: word `c` holds integer `c` of the four that `row` has for each of the vector's places.
     fn columns(self, row: impl Fn(usize) -> [i32; 4]) -> [Self::Word; 4];
-    /// The other way round: stores the lower halves of four words into as many rows as the vector has places.
-    fn rows(self, to: &mut [[i32; 4]; 8], columns: [Self::Word; 4]);
+    /// The other way round: the lower halves of four words as rows, as many as the vector has places.
+    fn rows(self, columns: [Self::Word; 4]) -> [[i32; 4]; 8];
     /// Stores into the first words of `to`.
     fn store(self, to: &mut [i64; 8], value: Self::Word);
     /// a + b.

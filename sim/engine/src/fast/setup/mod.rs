@@ -19,7 +19,8 @@ mod surface;
 pub use surface::SurfaceOutcome;
 
 use super::lanes::{Lanes, VectorLevel, VectorTask, dispatch_vectors};
-use number::Number;
+use number::{Number, Word};
+use real::Real;
 use real::Reals;
 use splatline::footprint::{Conic, Footprint, Ldl};
 use splatline::format::{Design, RuntimeWidths, Widths};
@@ -28,7 +29,7 @@ use splatline::rules::{Cutoff, Rules};
 use splatline::setup::{Cull, axis_bits, colour, setup};
 use splatline::splat::{Axis, VolumeSplat};
 use splatline::view::{Projection, View, round_entry};
-use stages::{Footprints, SplatLanes, Stages};
+use stages::{ProjectedWords, SplatLanes, Stages};
 use std::cell::Cell;
 
 /// What setup makes of a splat.
@@ -185,7 +186,7 @@ impl Batched for VolumeSplat {
 
     #[inline(always)]
     fn set_up_together<L: Lanes>(stages: &Stages<L>, words: &SplatLanes<L>) -> Lists {
-        Lists::new(stages.lanes, &stages.setup(words))
+        stages.setup(words)
     }
 
     #[inline(always)]
@@ -233,15 +234,7 @@ fn read_axis<L: Lanes, S: Batched>(lanes: L, splats: &[S], which: usize) -> [L::
     })
 }
 
-/// The splats' rows of four words' lower halves.
-#[inline(always)]
-fn rows<L: Lanes>(lanes: L, words: [L::Word; 4]) -> [[i32; 4]; 8] {
-    let mut rows = [[0; 4]; 8];
-    lanes.rows(&mut rows, words);
-    rows
-}
-
-/// Words to footprints.
+/// A vector's footprints, without their colours, as lists.
 pub struct Lists {
     depth: [i64; 8],
     centre: [[i64; 8]; 2],
@@ -255,39 +248,40 @@ pub struct Lists {
     rest: [[i32; 4]; 8],
 }
 
-impl Lists {
+impl<W: Lanes> Stages<'_, W> {
+    /// Lists of what setup computed: bounds (left, top, right, bottom), the factors of the LDL form in the order of
+    /// [`Ldl`], mantissas and exponent of the conic; cut-off, peak and reason of a cull. Nothing must come in doubt
+    /// later.
     #[inline(always)]
-    fn new<L: Lanes>(lanes: L, footprints: &Footprints<L>) -> Self {
-        let Footprints {
-            centre: [u, v],
-            first: [left, top],
-            last: [right, bottom],
-            ldl: [horizontal, squared_width, shear, vertical],
-            conic: [a, b, c],
-            ..
-        } = *footprints;
-        let certain = lanes.equal(footprints.doubt, lanes.splat(0));
+    fn lists(
+        &self,
+        projected: &ProjectedWords<W>,
+        bounds: [Word<W>; 4],
+        ldl: [Real<W>; 4],
+        conic: [Word<W>; 4],
+        [cutoff, peak, culled]: [Word<W>; 3],
+    ) -> Lists {
+        let lanes = self.lanes;
+        let certain = lanes.equal(self.reals.doubt.get(), lanes.splat(0));
         let doubt = lanes.select(lanes.splat(1), lanes.splat(0), certain);
-        let pair = |a: Number<L>, b: Number<L>| [a.mantissa, a.exponent, b.mantissa, b.exponent];
-        let Footprints {
-            cutoff,
-            peak,
-            culled,
-            ..
-        } = *footprints;
+        let pair = |a: Number<W>, b: Number<W>| [a.mantissa, a.exponent, b.mantissa, b.exponent];
+        let [horizontal, squared_width, shear, vertical] = self.packed(ldl);
+        let [u, v] = projected.centre;
         Lists {
-            depth: lanes.list(footprints.depth),
+            depth: lanes.list(projected.key),
             centre: [lanes.list(u), lanes.list(v)],
-            box_of_pixels: rows(lanes, [left, top, right, bottom]),
+            box_of_pixels: lanes.rows(bounds),
             ldl: [
-                rows(lanes, pair(horizontal, squared_width)),
-                rows(lanes, pair(shear, vertical)),
+                lanes.rows(pair(horizontal, squared_width)),
+                lanes.rows(pair(shear, vertical)),
             ],
-            conic: rows(lanes, [a, b, c, footprints.conic_exponent]),
-            rest: rows(lanes, [cutoff, peak, culled, doubt]),
+            conic: lanes.rows(conic),
+            rest: lanes.rows([cutoff, peak, culled, doubt]),
         }
     }
+}
 
+impl Lists {
     /// Is splat `k` in doubt?
     #[inline(always)]
     fn is_in_doubt(&self, k: usize) -> bool {

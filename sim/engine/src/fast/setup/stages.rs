@@ -3,6 +3,7 @@
 //! Where the kernel returns early with a reason, a vector goes on and keeps the first reason per word; what is computed
 //! for a culled splat is defined but of no use.
 
+use super::Lists;
 use super::number::{Arithmetic, Number, Word, power};
 use super::position::CameraPoints;
 use super::real::{Real, Reals, Term};
@@ -22,25 +23,6 @@ pub struct SplatLanes<W: Lanes> {
     /// Exponents of the axes.
     pub exponents: [Word<W>; 3],
     pub weight: Number<W>,
-}
-
-/// Footprints, one per word, without their colours.
-#[derive(Clone, Copy)]
-pub struct Footprints<W: Lanes> {
-    /// 0, or one more than the place of the reason in [`Cull::ALL`].
-    pub culled: Word<W>,
-    /// Not 0 where the kernel has to decide.
-    pub doubt: Word<W>,
-    pub depth: Word<W>,
-    pub centre: [Word<W>; 2],
-    pub first: [Word<W>; 2],
-    pub last: [Word<W>; 2],
-    /// The factors of the LDL form, in the order of `Ldl`.
-    pub ldl: [Number<W>; 4],
-    pub conic: [Word<W>; 3],
-    pub conic_exponent: Word<W>,
-    pub cutoff: Word<W>,
-    pub peak: Word<W>,
 }
 
 /// Setup under one view, rules and widths.
@@ -77,7 +59,7 @@ pub struct Variance<W: Lanes> {
 impl<W: Lanes> Stages<'_, W> {
     /// `splatline::setup::setup`.
     #[inline(always)]
-    pub fn setup(&self, splats: &SplatLanes<W>) -> Footprints<W> {
+    pub fn setup(&self, splats: &SplatLanes<W>) -> Lists {
         let mut culled = self.lanes.splat(0);
         self.doubt_inputs(splats);
         let projected = self.project(splats, &mut culled);
@@ -99,32 +81,18 @@ impl<W: Lanes> Stages<'_, W> {
         let variance = self.variance(&columns, &minors);
         let inverse = self.reals.reciprocal(variance.determinant, self.bits());
         let ldl = self.ldl(&variance, inverse, &mut culled);
-        let (conic, conic_exponent) = self.conic(&variance, ldl[0], inverse, &mut culled);
+        let conic = self.conic(&variance, ldl[0], inverse, &mut culled);
         if self.rules.compensated {
             weight = self.compensate(weight, minors, inverse);
         }
         let peak = self.peak(weight, &projected, inverse);
         let cutoff = self.cutoff(peak, &mut culled);
-        let mut first = [self.lanes.splat(0); 2];
-        let mut last = first;
-        for (axis, variance) in [variance.xx, variance.yy].into_iter().enumerate() {
-            (first[axis], last[axis]) =
-                self.bounds(axis, projected.centre[axis], variance, cutoff, &mut culled);
-        }
+        let [u, v] = projected.centre;
+        let (left, right) = self.bounds(0, u, variance.xx, cutoff, &mut culled);
+        let (top, bottom) = self.bounds(1, v, variance.yy, cutoff, &mut culled);
         let peak = self.peak_fixed(peak, &mut culled);
-        Footprints {
-            culled,
-            doubt: self.reals.doubt.get(),
-            depth: projected.key,
-            centre: projected.centre,
-            first,
-            last,
-            ldl: self.packed(ldl),
-            conic,
-            conic_exponent,
-            cutoff,
-            peak,
-        }
+        let bounds = [left, top, right, bottom];
+        self.lists(&projected, bounds, ldl, conic, [cutoff, peak, culled])
     }
 
     #[inline(always)]
@@ -387,6 +355,7 @@ impl<W: Lanes> Stages<'_, W> {
         ]
     }
 
+    /// Mantissas and exponent of the conic.
     #[inline(always)]
     pub fn conic(
         &self,
@@ -394,7 +363,7 @@ impl<W: Lanes> Stages<'_, W> {
         horizontal: Real<W>,
         inverse: Real<W>,
         culled: &mut Word<W>,
-    ) -> ([Word<W>; 3], Word<W>) {
+    ) -> [Word<W>; 4] {
         let (lanes, reals, bits) = (self.lanes, self.reals, self.bits());
         let coefficients = [
             horizontal,
@@ -408,13 +377,13 @@ impl<W: Lanes> Stages<'_, W> {
         }
         let exponent = reals.exponent(Real(largest), bits);
         let unit = reals.power(lanes.negate(exponent));
-        let mut mantissa = [lanes.splat(0); 3];
-        for (mantissa, coefficient) in mantissa.iter_mut().zip(coefficients) {
+        let mut conic = [exponent; 4];
+        for (mantissa, coefficient) in conic.iter_mut().zip(coefficients) {
             let aligned = reals.times(coefficient, unit);
             *mantissa = reals.to_short_word(reals.to_fixed(aligned, 1.0));
         }
         self.unpackable([exponent], culled);
-        (mantissa, exponent)
+        conic
     }
 
     #[inline(always)]

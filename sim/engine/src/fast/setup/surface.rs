@@ -6,7 +6,7 @@
 
 use super::number::{Arithmetic, BitDrop, power};
 use super::real::Real;
-use super::stages::{Footprints, ProjectedWords, SplatLanes, Stages, Variance};
+use super::stages::{ProjectedWords, SplatLanes, Stages, Variance};
 use super::{Batched, Lists, SplatFields};
 use crate::fast::lanes::Lanes;
 use splatline::footprint::surface::{
@@ -44,7 +44,7 @@ impl Batched for SurfaceSplat {
 
     #[inline(always)]
     fn set_up_together<L: Lanes>(stages: &Stages<L>, words: &SplatLanes<L>) -> SurfaceLists {
-        SurfaceLists::new(stages.lanes, &stages.surface(words))
+        stages.surface(words)
     }
 
     #[inline(always)]
@@ -63,26 +63,21 @@ impl Batched for SurfaceSplat {
     }
 }
 
-/// Surface footprints without their colours, one per word or as lists.
-pub struct SurfaceParts<F, T> {
-    footprints: F,
+/// A vector's surface footprints, without their colours, as lists.
+pub struct SurfaceLists {
+    footprints: Lists,
     /// Depth at the centre, and what leads from there to the box's first sample point.
-    origin: [T; 3],
-    step: [T; 2],
-    normal: [T; 3],
+    origin: [[i64; 8]; 3],
+    step: [[i64; 8]; 2],
+    normal: [[i64; 8]; 3],
     /// 1 where the normal was turned.
-    back: T,
+    back: [i64; 8],
 }
-
-type SurfaceWords<W> = SurfaceParts<Footprints<W>, <W as Lanes>::Word>;
-
-/// Words to surface footprints.
-pub type SurfaceLists = SurfaceParts<Lists, [i64; 8]>;
 
 impl<W: Lanes> Stages<'_, W> {
     /// `splatline::setup::setup_surface`.
     #[inline(always)]
-    fn surface(&self, splats: &SplatLanes<W>) -> SurfaceWords<W> {
+    fn surface(&self, splats: &SplatLanes<W>) -> SurfaceLists {
         let (lanes, reals) = (self.lanes, self.reals);
         let mut culled = lanes.splat(0);
         self.doubt_inputs(splats);
@@ -93,7 +88,7 @@ impl<W: Lanes> Stages<'_, W> {
         let variance = self.variance(&[first, second], &[self.product(area, area)]);
         let inverse = reals.reciprocal(variance.determinant, self.bits());
         let ldl = self.ldl(&variance, inverse, &mut culled);
-        let (conic, conic_exponent) = self.conic(&variance, ldl[0], inverse, &mut culled);
+        let conic = self.conic(&variance, ldl[0], inverse, &mut culled);
         let peak = self.surface_peak(reals.of_parts(splats.weight), area, &variance);
         let cutoff = self.cutoff(peak, &mut culled);
         let peak = self.peak_fixed(peak, &mut culled);
@@ -117,34 +112,21 @@ impl<W: Lanes> Stages<'_, W> {
                 [z2, z1],
             ),
         ];
-        let origin = [
-            lanes.to_fixed(projected.depth, DEPTH_FRACTION),
-            self.rise(left, u, gradient[0]),
-            self.rise(top, v, gradient[1]),
-        ];
-        let (normal, back) = self.facing_normal(splats, &projected);
+        let depth = lanes.to_fixed(projected.depth, DEPTH_FRACTION);
+        let across = self.rise(left, u, gradient[0]);
+        let down = self.rise(top, v, gradient[1]);
+        let ([x, y, z], back) = self.facing_normal(splats, &projected);
         let step = [
-            reals.to_fixed(gradient[0], DEPTH_UNIT),
-            reals.to_fixed(gradient[1], DEPTH_UNIT),
+            reals.to_word(reals.to_fixed(gradient[0], DEPTH_UNIT)),
+            reals.to_word(reals.to_fixed(gradient[1], DEPTH_UNIT)),
         ];
-        SurfaceWords {
-            origin,
-            step: [reals.to_word(step[0]), reals.to_word(step[1])],
-            normal,
-            back,
-            footprints: Footprints {
-                culled,
-                doubt: reals.doubt.get(),
-                depth: projected.key,
-                centre: projected.centre,
-                first: [left, top],
-                last: [right, bottom],
-                ldl: self.packed(ldl),
-                conic,
-                conic_exponent,
-                cutoff,
-                peak,
-            },
+        let bounds = [left, top, right, bottom];
+        SurfaceLists {
+            footprints: self.lists(&projected, bounds, ldl, conic, [cutoff, peak, culled]),
+            origin: [lanes.list(depth), lanes.list(across), lanes.list(down)],
+            step: [lanes.list(step[0]), lanes.list(step[1])],
+            normal: [lanes.list(x), lanes.list(y), lanes.list(z)],
+            back: lanes.list(back),
         }
     }
 
@@ -227,18 +209,6 @@ impl<W: Lanes> Stages<'_, W> {
 }
 
 impl SurfaceLists {
-    #[inline(always)]
-    fn new<L: Lanes>(lanes: L, words: &SurfaceWords<L>) -> Self {
-        let ([a, b, c], [x, y, z]) = (words.origin, words.normal);
-        SurfaceLists {
-            footprints: Lists::new(lanes, &words.footprints),
-            origin: [lanes.list(a), lanes.list(b), lanes.list(c)],
-            step: [lanes.list(words.step[0]), lanes.list(words.step[1])],
-            normal: [lanes.list(x), lanes.list(y), lanes.list(z)],
-            back: lanes.list(words.back),
-        }
-    }
-
     /// What setup makes of splat `k`.
     #[inline(always)]
     fn outcome(&self, k: usize, splat: &SurfaceSplat, widths: &Widths) -> SurfaceOutcome {

@@ -154,25 +154,20 @@ impl GatherTask<'_, '_> {
         dispatch_pixels(choice, self).ok().flatten()
     }
 
-    /// One footprint by the kernel, its samples one by one.
+    /// One footprint by the kernel: its samples, each at its column and row of the screen.
     #[cold]
     #[inline(never)]
-    fn recorded(
-        &mut self,
-        footprint: &SurfaceFootprint,
-        mut each: impl FnMut(&mut Self, [u16; 2], Recorded),
-    ) -> Coverage {
+    fn recorded(&self, footprint: &SurfaceFootprint) -> (Coverage, Vec<([u16; 2], Recorded)>) {
         let window = Window::of(&footprint.footprint).intersect(&self.tile.window);
         let mut cells = vec![Recorded::EMPTY; window.pixels()];
         let coverage = (self.record)(footprint, window, &mut cells);
         let columns = usize::from(window.columns()).max(1);
-        for (place, cell) in cells.iter().enumerate() {
+        let placed = cells.into_iter().enumerate().map(|(place, cell)| {
             let (x, y) = ((place % columns) as u16, (place / columns) as u16);
-            if cell.weight > 0 {
-                each(self, [window.first[0] + x, window.first[1] + y], *cell);
-            }
-        }
-        coverage
+            ([window.first[0] + x, window.first[1] + y], cell)
+        });
+        let samples = placed.filter(|(_, cell)| cell.weight > 0).collect();
+        (coverage, samples)
     }
 }
 
@@ -257,17 +252,19 @@ impl GatherTask<'_, '_> {
         footprint: &SurfaceFootprint,
         attributes: &AttributeWords<L>,
     ) -> Coverage {
-        self.recorded(footprint, |task, place, Recorded { weight, depth }| {
+        let (coverage, samples) = self.recorded(footprint);
+        for (place, Recorded { weight, depth }) in samples {
             let mut alone = [0; 8];
             alone[0] = weight.into();
             let depths = lanes.splat(depth.into());
-            let seen = task.seen(lanes, place, depths, attributes, lanes.first(1));
+            let seen = self.seen(lanes, place, depths, attributes, lanes.first(1));
             let samples = SampleWords {
                 weights: lanes.keep(lanes.load(&alone), seen),
                 depths,
             };
-            task.take(lanes, footprint, place, &samples, attributes);
-        })
+            self.take(lanes, footprint, place, &samples, attributes);
+        }
+        coverage
     }
 
     /// The runs of a footprint whose rows begin with the one of this number.
