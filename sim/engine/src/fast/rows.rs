@@ -2,7 +2,7 @@
 //!
 //! A small splat has as many rows as a row has pixels, so that a row must not cost more than a vector of pixels. Down
 //! the rows only additions depend on each other; root, span and seeds are computed for four or eight rows in one
-//! vector: in double precision, from constants that are computed for a [group](super::row_group) of footprints, and in
+//! vector: in double precision, from constants that are computed for a group of footprints (`row_group.rs`), and in
 //! words of 64 bits where doubles have not all bits. What neither could hold is noticed beforehand or beside the
 //! computation, and such a footprint is left to the kernel's own rows.
 //!
