@@ -9,7 +9,7 @@
 use rayon::prelude::*;
 use splatline::raster::Window;
 use splatline_sim::camera::Camera;
-use splatline_sim::fast::lanes::{Doubles, VectorLevel, VectorTask, dispatch_vectors, prefetch};
+use splatline_sim::fast::lanes::{Lanes, VectorLevel, VectorTask, dispatch_vectors, prefetch};
 use splatline_sim::fast::order::{Grid, Key, part_length, tile_lists};
 use splatline_sim::fixed::Times;
 use splatline_sim::picture::Picture;
@@ -293,7 +293,7 @@ impl VectorTask for TilePainting<'_, '_> {
     type Output = ();
 
     #[inline(always)]
-    fn run<L: Doubles>(self, _: L) {
+    fn run<L: Lanes>(self, _: L) {
         self.paint::<true>();
     }
 }

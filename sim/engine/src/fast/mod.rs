@@ -1,8 +1,7 @@
 //! The fast engine: the kernel's pictures, bit for bit, on vectors and all cores.
 //!
 //! ```text
-//! depth_first (what is hidden) -> setup -> order (radix sort, tile lists) -> recurrence -> rows
-//!     -> pixels of runs -> tile -> frame
+//! depth_first (what is hidden) -> setup -> order (radix sort, tile lists) -> rows -> pixels of runs -> tile -> frame
 //! ```
 //!
 //! The scalar painter ([`Painter`](splatline::draw::Painter)) stays the definition. What is fast here is tested against
@@ -13,9 +12,7 @@ pub mod depth_first;
 pub mod frame;
 pub mod lanes;
 pub mod order;
-mod paint;
 mod painter;
-pub mod recurrence;
 mod row_group;
 mod row_reals;
 mod row_words;
@@ -25,10 +22,9 @@ pub mod surface;
 pub mod tile;
 mod words;
 
-pub use paint::tile_painter;
 pub use painter::{
     CHECK_INTERVAL, PaintScratch, Results, Start, TableMemory, TilePainter, TileWork, table,
-    table_entries,
+    table_entries, tile_painter,
 };
 pub use tile::TILE;
 pub use words::visit::{OpacityVisitor, TakeOpacities};

@@ -1,7 +1,9 @@
-//! What all painters of tiles share: their interface, their memory, the footprint table, and the kernel's own painter
-//! for what vectors cannot do.
+//! What all painters of tiles share: their interface, their memory, the footprint table, the kernel's own painter for
+//! what vectors cannot do, and the choice among them by what processor and design allow.
 
+use super::lanes::VectorLevel;
 use super::setup::Outcome;
+use super::words::WordPainter;
 use super::words::tile::WordTile;
 use splatline::blend::Pixel;
 use splatline::draw::{Coverage, Painter};
@@ -92,6 +94,26 @@ pub struct TileWork<'a> {
 pub trait TilePainter: Send + Sync {
     /// Paints a tile in a thread's memory.
     fn paint(&self, scratch: &mut PaintScratch, work: TileWork) -> Coverage;
+}
+
+/// The fastest painter for a design and rules on such vectors: the kernel's own where vectors cannot draw.
+///
+/// Only where `counts` asks for it are all pixels counted; a painter that need not may leave out those that have
+/// finished.
+pub fn tile_painter<D: Design + Send + Sync + 'static>(
+    design: D,
+    rules: &Rules,
+    order: Compositing,
+    traversal: Traversal,
+    choice: Option<VectorLevel>,
+    counts: bool,
+) -> Box<dyn TilePainter> {
+    let vectors = choice.filter(|_| traversal == Traversal::Spans);
+    let of_level = |choice| WordPainter::new(design, rules, order, choice, counts);
+    match vectors.and_then(of_level) {
+        Some(painter) => Box::new(painter),
+        None => Box::new(ScalarPainter::new(design, rules, order, traversal)),
+    }
 }
 
 /// The kernel's own painter.

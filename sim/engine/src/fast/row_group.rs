@@ -1,18 +1,17 @@
 //! Constants of several footprints' rows at once, a footprint in each word.
 //!
-//! What [`EllipseSpans::constants`](splatline::raster::EllipseSpans::constants) and [`RowReals::new`] compute for
-//! one footprint takes more instructions than its rows. Here it is the same, step by step, in double precision, where a
-//! right shift that rounds is `floor(v + 1/2)`.
-//! Footprints that are [not ordinary](RowGroup::is_ordinary) are left to those two.
+//! What [`EllipseSpans::constants`](splatline::raster::EllipseSpans::constants) computes for one footprint takes more
+//! instructions than its rows. Here it is the same, step by step, in double precision, where a right shift that rounds
+//! is `floor(v + 1/2)`.
+//! Footprints that are [not ordinary](RowGroup::is_ordinary) are left to it.
 
-use super::lanes::{Doubles, apart};
-use super::row_reals::{
-    DIFFERENT, FARTHEST, MOST, ROWS, RealBlock, RowLine, RowNumbers, RowReals, scale,
-};
+use super::lanes::{Lanes, apart};
+use super::row_reals::{DIFFERENT, FARTHEST, MOST, ROWS, RealBlock, RowNumbers, RowReals, scale};
 use super::row_words::{SeedWords, SquaredWidth, longest_rest};
 use super::rows::BLOCKS;
-use super::setup::number::{Arithmetic, Word, power};
+use super::setup::number::{Word, power};
 use super::setup::real::{Real, Reals};
+use super::tile::TILE;
 use splatline::footprint::Footprint;
 use splatline::format::Widths;
 use splatline::math::SoftFloat;
@@ -21,6 +20,10 @@ use std::cell::Cell;
 
 /// Most words of a vector.
 const WORDS: usize = 8;
+
+/// Blocks of rows that a tile has: seeds are computed for each.
+pub const ROW_BLOCKS: usize = (TILE[1] / BLOCK) as usize;
+const _: () = assert!(ROW_BLOCKS == 2 && TILE[1].is_multiple_of(BLOCK));
 
 /// Fraction bits of rows' centres beyond those of footprints' centres, where shears and half-widths are ordinary.
 const CENTRE: i32 = 8;
@@ -42,8 +45,6 @@ pub struct Member {
     pub rows: [u16; 2],
     /// Columns of the box in the window.
     pub visible: [u16; 2],
-    /// Do its rows lie in two blocks?
-    is_short: bool,
 }
 
 /// Some footprints and their constants; memory that is used again for the next ones.
@@ -51,7 +52,7 @@ pub struct Member {
 pub struct RowGroup {
     members: [Member; WORDS],
     inputs: [List; INPUTS],
-    seeds: [[List; 3]; 2],
+    seeds: [[List; 3]; ROW_BLOCKS],
     columns: [[List; 2]; BLOCKS],
     constants: [List; DIFFERENT],
     shear: List,
@@ -80,7 +81,6 @@ impl RowGroup {
         self.members[k % WORDS] = Member {
             rows: [y, end],
             visible: [x, right],
-            is_short: end <= block.saturating_add(2 * BLOCK),
         };
         let words = [
             packed(ldl.squared_width),
@@ -105,36 +105,25 @@ impl RowGroup {
     /// Computes the constants of the footprints that were read, for a tile that begins at column `left`. What does not
     /// differ between them comes back.
     #[inline(always)]
-    pub fn compute<L: Doubles>(
-        &mut self,
-        math: Arithmetic<L>,
-        widths: &Widths,
-        left: u16,
-    ) -> RowReals<L> {
+    pub fn compute<L: Lanes>(&mut self, lanes: L, widths: &Widths, left: u16) -> RowReals<L> {
         if L::ROWS_APART {
-            apart(|| self.compute_here(math, widths, left))
+            apart(|| self.compute_here(lanes, widths, left))
         } else {
-            self.compute_here(math, widths, left)
+            self.compute_here(lanes, widths, left)
         }
     }
 
     #[inline(always)]
-    fn compute_here<L: Doubles>(
-        &mut self,
-        math: Arithmetic<L>,
-        widths: &Widths,
-        left: u16,
-    ) -> RowReals<L> {
-        let lanes = math.lanes;
-        let mut inputs = [math.splat(0); INPUTS];
+    fn compute_here<L: Lanes>(&mut self, lanes: L, widths: &Widths, left: u16) -> RowReals<L> {
+        let mut inputs = [lanes.splat(0); INPUTS];
         for (word, list) in inputs.iter_mut().zip(&self.inputs) {
-            *word = lanes.wide_load(list);
+            *word = lanes.load(list);
         }
         let [squared_width, horizontal, vertical, shear, u, v, ..] = inputs;
         let [.., cutoff, origin, skipped, next, begin, right] = inputs;
-        let doubt = Cell::new(math.splat(0));
+        let doubt = Cell::new(lanes.splat(0));
         let reals = Reals {
-            words: math,
+            lanes,
             doubt: &doubt,
         };
         let bits = i64::from(widths.mantissa);
@@ -166,34 +155,37 @@ impl RowGroup {
             let bent = seeds.farthest(change, curve);
             reals.doubt_unless_less(seeds.farthest(value, bent), MOST * unit);
             reals.doubt_unless_less(seeds.farthest(centre, shear), FARTHEST);
-            lanes.wide_store(&mut lists[0], centre);
-            lanes.wide_store(&mut lists[1], value);
-            lanes.wide_store(&mut lists[2], change);
+            lanes.store(&mut lists[0], centre);
+            lanes.store(&mut lists[1], value);
+            lanes.store(&mut lists[2], change);
         }
-        lanes.wide_store(&mut self.shear, shear);
-        lanes.wide_store(&mut self.curve, curve);
+        lanes.store(&mut self.shear, shear);
+        lanes.store(&mut self.curve, curve);
         for (number, lists) in self.columns.iter_mut().enumerate() {
             let column = f64::from(left) + f64::from(BLOCK) * number as f64;
             let end = reals.constant(column + f64::from(BLOCK));
             let first = lanes.double_max(begin, reals.constant(column));
-            lanes.wide_store(&mut lists[0], reals.opposite(Real(first)).0);
-            lanes.wide_store(&mut lists[1], lanes.double_min(end, right));
+            lanes.store(&mut lists[0], reals.opposite(Real(first)).0);
+            lanes.store(&mut lists[1], lanes.double_min(end, right));
         }
 
         let radial = i64::from(widths.radial);
-        let half = halved(math, math.plus(reals.exponent(squared_width.number, 1), 6));
-        let odd = math.and(squared_width.exponent, 1);
-        let root = halved(math, math.sub(squared_width.exponent, odd));
+        let half = halved(
+            lanes,
+            lanes.plus(reals.exponent(squared_width.number, 1), 6),
+        );
+        let odd = lanes.masked(squared_width.exponent, 1);
+        let root = halved(lanes, lanes.sub(squared_width.exponent, odd));
         let table = SquaredWidth {
             mantissa: squared_width.mantissa,
             odd,
-            power: math.plus(root, 32 - i64::from(REST) / 2),
+            power: lanes.plus(root, 32 - i64::from(REST) / 2),
         };
         let finest = -(i64::from(widths.subpixel) + i64::from(CENTRE));
-        let unit = math.max(math.plus(half, -bits), math.splat(finest));
-        let along = math.add(horizontal.exponent, unit);
-        let drop_radial = math.negate(math.plus(math.add(along, unit), bits + radial));
-        let drop_first = math.negate(math.plus(along, 1 + radial));
+        let unit = lanes.max(lanes.plus(half, -bits), lanes.splat(finest));
+        let along = lanes.add(horizontal.exponent, unit);
+        let drop_radial = lanes.negate(lanes.plus(lanes.add(along, unit), bits + radial));
+        let drop_first = lanes.negate(lanes.plus(along, 1 + radial));
         reals.doubt_where(reals.sign(drop_radial));
         reals.doubt_where(reals.sign(drop_first));
         let Balance {
@@ -201,19 +193,19 @@ impl RowGroup {
             start,
             step,
         } = Balance::new(reals, horizontal.number, widths.radial.into());
-        let drop_vertical = math.splat(i64::from(fraction) - radial);
-        let drops = [math.splat(bits), drop_radial, drop_first, drop_vertical];
+        let drop_vertical = lanes.splat(i64::from(fraction) - radial);
+        let drops = [lanes.splat(bits), drop_radial, drop_first, drop_vertical];
         let [start, step] = [reals.to_short_word(start), reals.to_short_word(step)];
         let slack = reals.constant(power(fraction as i32 - 10));
         let reach = reals.to_fixed(Real(cutoff), power(fraction as i32 - 28));
-        let mut together = RowReals::of(
-            math,
+        let mut together = RowReals::new(
+            lanes,
             RowNumbers {
                 seeds: SeedWords::of(
-                    math,
+                    lanes,
                     [horizontal.mantissa, start, step],
                     drops,
-                    [math.splat(0); 2],
+                    [lanes.splat(0); 2],
                 ),
                 fraction,
                 longest_rest: longest_rest(widths.mantissa.into(), fraction),
@@ -221,14 +213,14 @@ impl RowGroup {
                 squared_width: reals.scaled(squared_width.number, power(-(REST as i32))).0,
                 table,
                 unit,
-                most_bits: math.splat(if bits <= 15 { bits } else { bits.max(30) }),
+                most_bits: lanes.splat(if bits <= 15 { bits } else { bits.max(30) }),
             },
         );
         for (list, word) in self.constants.iter_mut().zip(together.different()) {
-            lanes.wide_store(list, *word);
+            lanes.store(list, *word);
         }
-        lanes.wide_store(&mut self.second, reals.to_short_word(second));
-        lanes.wide_store(&mut self.doubt, doubt.get());
+        lanes.store(&mut self.second, reals.to_short_word(second));
+        lanes.store(&mut self.doubt, doubt.get());
         together
     }
 
@@ -241,7 +233,7 @@ impl RowGroup {
     /// Are the words of footprint number `k` as large as most are, so that its constants are the kernel's?
     #[inline(always)]
     pub fn is_ordinary(&self, k: usize) -> bool {
-        self.members[k % WORDS].is_short && self.doubt[k % WORDS] == 0
+        self.doubt[k % WORDS] == 0
     }
 
     /// 2 A in the unit of radial indices.
@@ -252,15 +244,11 @@ impl RowGroup {
 
     /// The constants of footprint number `k`; `together` comes from [`RowGroup::compute`].
     #[inline(always)]
-    pub fn reals<L: Doubles>(&self, k: usize, together: &RowReals<L>) -> RowReals<L> {
-        let (k, lanes) = (k % WORDS, together.math.lanes);
+    pub fn reals<L: Lanes>(&self, k: usize, together: &RowReals<L>) -> RowReals<L> {
+        let (k, lanes) = (k % WORDS, together.lanes);
         let mut reals = *together;
-        reals.line = RowLine {
-            shear: double(self.shear[k]),
-            curve: double(self.curve[k]),
-        };
         for (word, list) in reals.different().into_iter().zip(&self.constants) {
-            *word = lanes.wide_splat(list[k]);
+            *word = lanes.splat(list[k]);
         }
         reals
     }
@@ -268,12 +256,12 @@ impl RowGroup {
     /// First column, negative, that runs of footprint number `k` may begin at in each block of columns, and one past
     /// the last.
     #[inline(always)]
-    pub fn columns<L: Doubles>(&self, k: usize, reals: &RowReals<L>) -> [[Word<L>; 2]; BLOCKS] {
-        let lanes = reals.math.lanes;
-        let mut columns = [[lanes.wide_splat(0); 2]; BLOCKS];
+    pub fn columns<L: Lanes>(&self, k: usize, reals: &RowReals<L>) -> [[Word<L>; 2]; BLOCKS] {
+        let lanes = reals.lanes;
+        let mut columns = [[lanes.splat(0); 2]; BLOCKS];
         for ([first, last], lists) in columns.iter_mut().zip(&self.columns) {
-            *first = lanes.wide_splat(lists[0][k % WORDS]);
-            *last = lanes.wide_splat(lists[1][k % WORDS]);
+            *first = lanes.splat(lists[0][k % WORDS]);
+            *last = lanes.splat(lists[1][k % WORDS]);
         }
         columns
     }
@@ -281,13 +269,14 @@ impl RowGroup {
     /// Block of rows number `number`, of two, of footprint number `k`.
     #[inline(always)]
     pub fn block(&self, k: usize, number: usize) -> RealBlock {
-        let [y, end] = self.members[k % WORDS].rows;
+        let k = k % WORDS;
+        let [y, end] = self.members[k].rows;
         let last = (y - y % BLOCK).saturating_add(BLOCK * (number as u16 + 1));
-        let [centre, value, change] = &self.seeds[number % 2];
+        let [centre, value, change] = &self.seeds[number % ROW_BLOCKS];
         RealBlock {
             end: last.min(end),
-            centre: double(centre[k % WORDS]),
-            vertical: [double(value[k % WORDS]), double(change[k % WORDS])],
+            centre: [centre[k], self.shear[k]].map(double),
+            vertical: [value[k], change[k], self.curve[k]].map(double),
         }
     }
 }
@@ -310,32 +299,32 @@ fn double(bits: i64) -> f64 {
 
 /// Half of integers from -2048 on, rounded down.
 #[inline(always)]
-fn halved<L: Doubles>(math: Arithmetic<L>, word: Word<L>) -> Word<L> {
-    math.plus(math.shr(math.plus(word, 2048), 1), -1024)
+fn halved<L: Lanes>(lanes: L, word: Word<L>) -> Word<L> {
+    lanes.plus(lanes.shr_by(lanes.plus(word, 2048), 1), -1024)
 }
 
 /// Numbers of the kernel.
-struct Parts<L: Doubles> {
+struct Parts<L: Lanes> {
     mantissa: Word<L>,
     exponent: Word<L>,
     number: Real<L>,
 }
 
-impl<L: Doubles> Parts<L> {
+impl<L: Lanes> Parts<L> {
     /// Of [`packed`] ones, with mantissas of so many bits.
     #[inline(always)]
     fn new(reals: Reals<L>, packed: Word<L>, bits: i64) -> Self {
         const SIGN: i64 = 1 << 31;
-        let math = reals.words;
-        let lower = math.and(packed, u32::MAX.into());
-        let lower = math.lanes.wide_xor(lower, math.splat(SIGN));
-        let upper = math.lanes.wide_xor(math.shr(packed, 32), math.splat(SIGN));
-        let (mantissa, exponent) = (math.plus(lower, -SIGN), math.plus(upper, -SIGN));
+        let lanes = reals.lanes;
+        let lower = lanes.masked(packed, u32::MAX.into());
+        let lower = lanes.xor(lower, lanes.splat(SIGN));
+        let upper = lanes.xor(lanes.shr_by(packed, 32), lanes.splat(SIGN));
+        let (mantissa, exponent) = (lanes.plus(lower, -SIGN), lanes.plus(upper, -SIGN));
         // The exponent of 0 is far from all others.
-        let beyond = math.shr(math.plus(exponent, 1022), 11);
-        let nothing = math.lanes.wide_equal(mantissa, math.splat(0));
-        reals.doubt_where(math.select(beyond, math.splat(0), nothing));
-        reals.doubt_where(math.shr(math.magnitude(mantissa), bits));
+        let beyond = lanes.shr_by(lanes.plus(exponent, 1022), 11);
+        let nothing = lanes.equal(mantissa, lanes.splat(0));
+        reals.doubt_where(lanes.select(beyond, lanes.splat(0), nothing));
+        reals.doubt_where(lanes.shr_by(lanes.magnitude(mantissa), bits));
         Parts {
             mantissa,
             exponent,
@@ -345,17 +334,17 @@ impl<L: Doubles> Parts<L> {
 }
 
 /// The kernel's constants of a sequence with this factor of the square.
-struct Balance<L: Doubles> {
+struct Balance<L: Lanes> {
     second: Word<L>,
     start: Word<L>,
     step: Word<L>,
 }
 
-impl<L: Doubles> Balance<L> {
+impl<L: Lanes> Balance<L> {
     /// In units of 2^-fraction.
     #[inline(always)]
     fn new(reals: Reals<L>, factor: Real<L>, fraction: u32) -> Self {
-        let lanes = reals.words.lanes;
+        let lanes = reals.lanes;
         let fine = reals.to_fixed(factor, power((fraction + GUARD) as i32));
         let second = reals.to_fixed(Real(fine), power(1 - GUARD as i32));
         let rounded = reals.scaled(Real(second), power(GUARD as i32 - 1)).0;
@@ -374,7 +363,7 @@ impl<L: Doubles> Balance<L> {
 }
 
 /// What the seeds of blocks of rows are computed from.
-struct RowSeeds<'a, L: Doubles> {
+struct RowSeeds<'a, L: Lanes> {
     reals: Reals<'a, L>,
     widths: Widths,
     /// u - 1/2 in the unit of rows' centres, and 1/2 - v in that of footprints' centres.
@@ -387,7 +376,7 @@ struct RowSeeds<'a, L: Doubles> {
     unit: Word<L>,
 }
 
-impl<'a, L: Doubles> RowSeeds<'a, L> {
+impl<'a, L: Lanes> RowSeeds<'a, L> {
     #[inline(always)]
     fn new(
         reals: Reals<'a, L>,
@@ -395,7 +384,7 @@ impl<'a, L: Doubles> RowSeeds<'a, L> {
         [u, v]: [Word<L>; 2],
         [shear, vertical]: [Real<L>; 2],
     ) -> Self {
-        let (lanes, subpixel) = (reals.words.lanes, i32::from(widths.subpixel));
+        let (lanes, subpixel) = (reals.lanes, i32::from(widths.subpixel));
         let half = reals.constant(power(subpixel - 1));
         let raised = reals
             .scaled(Real(lanes.double_sub(u, half)), power(CENTRE))
@@ -415,7 +404,7 @@ impl<'a, L: Doubles> RowSeeds<'a, L> {
     /// Centre, C dy^2 and its change in rows where blocks begin.
     #[inline(always)]
     fn at(&self, y: Word<L>) -> [Word<L>; 3] {
-        let (reals, lanes) = (self.reals, self.reals.words.lanes);
+        let (reals, lanes) = (self.reals, self.reals.lanes);
         let (subpixel, bits) = (i32::from(self.widths.subpixel), self.widths.mantissa.into());
         let fine = vertical_fraction(&self.widths) as i32;
         let y = reals.scaled(Real(y), power(subpixel)).0;
@@ -435,7 +424,7 @@ impl<'a, L: Doubles> RowSeeds<'a, L> {
     /// The most that a number and so much more in every row can be.
     #[inline(always)]
     fn farthest(&self, number: Word<L>, change: Word<L>) -> Word<L> {
-        let (reals, lanes) = (self.reals, self.reals.words.lanes);
+        let (reals, lanes) = (self.reals, self.reals.lanes);
         let rows = reals.constant(ROWS);
         let changes = lanes.double_mul(reals.magnitude(Real(change)).0, rows);
         lanes.double_add(reals.magnitude(Real(number)).0, changes)
@@ -444,7 +433,7 @@ impl<'a, L: Doubles> RowSeeds<'a, L> {
     /// The same so many rows on.
     #[inline(always)]
     fn skip(&self, [centre, value, change]: [Word<L>; 3], rows: Word<L>) -> [Word<L>; 3] {
-        let (reals, lanes) = (self.reals, self.reals.words.lanes);
+        let (reals, lanes) = (self.reals, self.reals.lanes);
         let pairs = lanes.double_mul(rows, lanes.double_sub(rows, reals.constant(1.0)));
         let pairs = reals.scaled(Real(pairs), 0.5).0;
         let curve = self.balance.second;

@@ -8,12 +8,12 @@
 //!
 //! Columns are in pixels, what is left of the cut-off in units of 2^-[`REST`].
 
-use super::lanes::Doubles;
+use super::lanes::Lanes;
 use super::lanes::singles::HAS_FUSED_ADD;
-use super::row_words::{Runs, SeedWords, SquaredWidth, longest_rest, most_bits, seeds};
+use super::row_words::{Runs, SeedWords, SquaredWidth, seeds};
 use super::setup::number::{Arithmetic, power};
 use super::tile::TILE;
-use splatline::raster::{REST, RowBlock, RowConstants};
+use splatline::raster::REST;
 
 /// Integers below this have no error in a double, nor has a sum of three of them and a rounding bit.
 pub const MOST: f64 = (1u64 << 49) as f64;
@@ -53,21 +53,20 @@ pub fn scale(fraction: u32) -> f64 {
 
 /// [`power`] in each word.
 #[inline(always)]
-fn powers<L: Doubles>(math: Arithmetic<L>, exponent: L::Word) -> L::Word {
-    math.shl(math.plus(exponent, 1023), 52)
+fn powers<L: Lanes>(lanes: L, exponent: L::Word) -> L::Word {
+    lanes.shl_by(lanes.plus(exponent, 1023), 52)
 }
 
 #[inline(always)]
-fn splat<L: Doubles>(lanes: L, value: f64) -> L::Word {
-    lanes.wide_splat(value.to_bits() as i64)
+fn splat<L: Lanes>(lanes: L, value: f64) -> L::Word {
+    lanes.splat(value.to_bits() as i64)
 }
 
 /// What is the same for all rows of a footprint, or of a footprint in each word.
 #[derive(Clone, Copy)]
-pub struct RowReals<L: Doubles> {
-    pub math: Arithmetic<L>,
+pub struct RowReals<L: Lanes> {
+    pub lanes: L,
     seeds: SeedWords<L>,
-    pub line: RowLine,
     reach: L::Word,
     /// One past the longest rest that the table takes, and past the longest square of a half-width whose distances fit
     /// the seeds.
@@ -82,27 +81,20 @@ pub struct RowReals<L: Doubles> {
     turn_of_down: L::Word,
 }
 
-/// What is never needed of several footprints at once.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct RowLine {
-    /// Change of the centre per row.
-    pub shear: f64,
-    /// Change of the change of the vertical distance.
-    pub curve: f64,
-}
-
-/// The seeds of a block of rows: xc - 1/2 in the first one, C dy^2 and its change.
+/// The seeds of a block of one footprint's rows.
 #[derive(Clone, Copy, Debug)]
 pub struct RealBlock {
     /// One past the last row.
     pub end: u16,
-    pub centre: f64,
-    pub vertical: [f64; 2],
+    /// xc - 1/2 in the first row, and its change per row.
+    pub centre: [f64; 2],
+    /// C dy^2 in the first row, its change to the next one, and the change of that.
+    pub vertical: [f64; 3],
 }
 
 /// Some rows' words, and what leads to the next ones.
 #[derive(Clone, Copy)]
-pub struct RealRows<L: Doubles> {
+pub struct RealRows<L: Lanes> {
     centre: L::Word,
     vertical: L::Word,
     slope: L::Word,
@@ -111,14 +103,14 @@ pub struct RealRows<L: Doubles> {
 }
 
 /// Where some rows begin, negative, and end, and what the vertical distance adds to their radial indices.
-pub struct RealSpan<L: Doubles> {
+pub struct RealSpan<L: Lanes> {
     left: L::Word,
     end: L::Word,
     down: L::Word,
 }
 
-/// What [`RowReals`] follow from, of a footprint or of one in each word.
-pub struct RowNumbers<L: Doubles> {
+/// What [`RowReals`] follow from.
+pub struct RowNumbers<L: Lanes> {
     pub seeds: SeedWords<L>,
     /// Fraction bits of C dy^2.
     pub fraction: u32,
@@ -139,45 +131,19 @@ pub struct RowNumbers<L: Doubles> {
 /// Words of [`RowReals`] that differ between footprints.
 pub const DIFFERENT: usize = 14;
 
-impl<L: Doubles> RowReals<L> {
-    /// Of a footprint whose words are [tame](super::row_words::is_tame).
+impl<L: Lanes> RowReals<L> {
+    /// From these numbers, of a footprint in each word.
     #[inline(always)]
-    pub fn new(math: Arithmetic<L>, constants: &RowConstants<i64>) -> Self {
-        let (mantissa, odd, half) = constants.squared_width;
-        let squared_width = (mantissa << odd) as f64 * power(2 * half.max(-400) - 64);
-        let reals = RowReals::of(
-            math,
-            RowNumbers {
-                seeds: SeedWords::new(math, constants),
-                fraction: constants.vertical_fraction,
-                longest_rest: longest_rest(constants.drops.1, constants.vertical_fraction),
-                reach: splat(math.lanes, constants.reach as f64),
-                squared_width: splat(math.lanes, squared_width),
-                table: SquaredWidth::new(math, constants),
-                unit: math.splat(i64::from(constants.drops.0) - 32),
-                most_bits: math.splat(most_bits(constants).into()),
-            },
-        );
-        let line = RowLine {
-            shear: constants.shear as f64 * power(-32),
-            curve: constants.curve as f64 * scale(constants.vertical_fraction),
-        };
-        RowReals { line, ..reals }
-    }
-
-    /// Without what one footprint alone needs.
-    #[inline(always)]
-    pub fn of(math: Arithmetic<L>, numbers: RowNumbers<L>) -> Self {
-        let (lanes, seeds) = (math.lanes, numbers.seeds);
+    pub fn new(lanes: L, numbers: RowNumbers<L>) -> Self {
+        let seeds = numbers.seeds;
         let below = numbers.fraction.saturating_sub(REST) as i32;
         // Roots are wrong by less than this leaves.
         let almost = splat(lanes, 1.0 - 1.0 / 1024.0);
-        let farthest = powers(math, math.add(numbers.most_bits, numbers.unit));
+        let farthest = powers(lanes, lanes.add(numbers.most_bits, numbers.unit));
         let farthest = lanes.double_mul(farthest, almost);
-        let to_dx = powers(math, math.negate(numbers.unit));
+        let to_dx = powers(lanes, lanes.negate(numbers.unit));
         RowReals {
-            math,
-            line: RowLine::default(),
+            lanes,
             reach: lanes.double_mul(numbers.reach, splat(lanes, scale(numbers.fraction))),
             longest: [
                 splat(lanes, power(numbers.longest_rest as i32 - below)),
@@ -185,12 +151,12 @@ impl<L: Doubles> RowReals<L> {
             ],
             squared_width: numbers.squared_width,
             table: numbers.table,
-            to_dx: lanes.double_sub(math.splat(0), to_dx),
+            to_dx: lanes.double_sub(lanes.splat(0), to_dx),
             to_down: powers(
-                math,
-                math.sub(math.splat(below.into()), seeds.drop_vertical.by),
+                lanes,
+                lanes.sub(lanes.splat(below.into()), seeds.drop_vertical.by),
             ),
-            turn_of_down: math.sub(splat(lanes, WHOLE), math.turn_of(seeds.drop_vertical)),
+            turn_of_down: lanes.sub(splat(lanes, WHOLE), lanes.turn_of(seeds.drop_vertical)),
             seeds,
         }
     }
@@ -214,13 +180,13 @@ impl<L: Doubles> RowReals<L> {
     /// The number in each word.
     #[inline(always)]
     pub fn splat(&self, value: f64) -> L::Word {
-        splat(self.math.lanes, value)
+        splat(self.lanes, value)
     }
 
     /// a b + c, of which the product is exact.
     #[inline(always)]
     fn exact(&self, a: L::Word, b: L::Word, c: L::Word) -> L::Word {
-        let lanes = self.math.lanes;
+        let lanes = self.lanes;
         if HAS_FUSED_ADD {
             lanes.double_mul_add(a, b, c)
         } else {
@@ -231,7 +197,7 @@ impl<L: Doubles> RowReals<L> {
     /// a b to the nearest integer, halves up, [`WHOLE`] more.
     #[inline(always)]
     fn rounded(&self, a: L::Word, b: L::Word) -> L::Word {
-        let lanes = self.math.lanes;
+        let lanes = self.lanes;
         let floor = lanes.double_floor(self.exact(a, b, self.splat(0.5)));
         lanes.double_add(floor, self.splat(WHOLE))
     }
@@ -239,33 +205,18 @@ impl<L: Doubles> RowReals<L> {
     /// An integer, [`WHOLE`] more, as a word.
     #[inline(always)]
     fn word(&self, a: L::Word) -> L::Word {
-        self.math.sub(a, self.splat(WHOLE))
-    }
-
-    /// A block of the kernel's words; `None` where they are too large.
-    #[inline(always)]
-    pub fn block(&self, block: &RowBlock, scale: f64) -> Option<RealBlock> {
-        let RowLine { shear, curve } = self.line;
-        let [vertical, change] = block.vertical.map(|word| word as f64 * scale);
-        let centre = block.centre as f64 * power(-32);
-        let largest = vertical.abs() + ROWS * (change.abs() + ROWS * curve.abs());
-        let farthest = centre.abs() + ROWS * shear.abs();
-        // Words of more bits than a double are larger than this however they were rounded.
-        (largest < MOST * scale && farthest < FARTHEST).then_some(RealBlock {
-            end: block.end,
-            centre,
-            vertical: [vertical, change],
-        })
+        self.lanes.sub(a, self.splat(WHOLE))
     }
 
     /// The first rows of a block.
     #[inline(always)]
     pub fn rows(&self, block: &RealBlock) -> RealRows<L> {
-        let lanes = self.math.lanes;
+        let lanes = self.lanes;
         let width = L::WIDE as f64;
-        let (numbers, pairs) = (lanes.wide_load(&NUMBERS), lanes.wide_load(&PAIRS));
-        let [shear, curve] = [self.splat(self.line.shear), self.splat(self.line.curve)];
+        let (numbers, pairs) = (lanes.load(&NUMBERS), lanes.load(&PAIRS));
+        let [centre, shear] = [self.splat(block.centre[0]), self.splat(block.centre[1])];
         let [vertical, change] = [self.splat(block.vertical[0]), self.splat(block.vertical[1])];
+        let curve = self.splat(block.vertical[2]);
         let wider = lanes.double_mul(curve, self.splat(width));
         let along = self.exact(
             change,
@@ -273,7 +224,7 @@ impl<L: Doubles> RowReals<L> {
             lanes.double_mul(curve, self.splat(width * (width - 1.0) / 2.0)),
         );
         RealRows {
-            centre: self.exact(numbers, shear, self.splat(block.centre)),
+            centre: self.exact(numbers, shear, centre),
             vertical: self.exact(numbers, change, self.exact(pairs, curve, vertical)),
             slope: lanes.double_mul(shear, self.splat(width)),
             change: self.exact(numbers, wider, along),
@@ -284,7 +235,7 @@ impl<L: Doubles> RowReals<L> {
     /// On to the next rows.
     #[inline(always)]
     pub fn step(&self, rows: &RealRows<L>) -> RealRows<L> {
-        let lanes = self.math.lanes;
+        let lanes = self.lanes;
         RealRows {
             centre: lanes.double_add(rows.centre, rows.slope),
             vertical: lanes.double_add(rows.vertical, rows.change),
@@ -296,7 +247,7 @@ impl<L: Doubles> RowReals<L> {
     /// The spans of some rows within the ellipse. `longest` becomes the most that a row leaves of the cut-off.
     #[inline(always)]
     pub fn span(&self, rows: &RealRows<L>, longest: &mut L::Word) -> RealSpan<L> {
-        let (lanes, zero) = (self.math.lanes, self.splat(0.0));
+        let (lanes, zero) = (self.lanes, self.splat(0.0));
         let rest = lanes.double_sub(self.reach, rows.vertical);
         *longest = lanes.double_max(*longest, rest);
         let open = lanes.double_greater(rest, zero);
@@ -309,15 +260,15 @@ impl<L: Doubles> RowReals<L> {
         let left_of = lanes.double_sub(left, lanes.double_sub(nearer, rows.centre));
         let right_of = lanes.double_sub(right, lanes.double_add(nearer, rows.centre));
         let doubt = lanes.double_max(lanes.double_max(left_of, right_of), zero);
-        if lanes.wide_any(lanes.wide_select(zero, doubt, open)) {
+        if lanes.any(lanes.select(zero, doubt, open)) {
             (left, right) = self.ends(rows.centre, self.half_by_table(narrow));
         }
         let end = lanes.double_add(right, self.splat(1.0));
         RealSpan {
             left,
-            end: lanes.wide_select(zero, end, open),
+            end: lanes.select(zero, end, open),
             down: self
-                .math
+                .lanes
                 .sub(self.rounded(rows.vertical, self.to_down), self.turn_of_down),
         }
     }
@@ -325,7 +276,7 @@ impl<L: Doubles> RowReals<L> {
     /// First columns, negative, and last ones within so much of the centre.
     #[inline(always)]
     fn ends(&self, centre: L::Word, half: L::Word) -> (L::Word, L::Word) {
-        let lanes = self.math.lanes;
+        let lanes = self.lanes;
         (
             lanes.double_floor(lanes.double_sub(half, centre)),
             lanes.double_floor(lanes.double_add(half, centre)),
@@ -335,15 +286,14 @@ impl<L: Doubles> RowReals<L> {
     /// The kernel's half-widths.
     #[inline(always)]
     fn half_by_table(&self, narrow: L::Word) -> L::Word {
-        let lanes = self.math.lanes;
+        let lanes = self.lanes;
         let narrow = self.word(lanes.double_add(narrow, self.splat(WHOLE)));
-        let half = self.table.half_of(self.math, narrow);
-        let mut halves = [0; 8];
-        lanes.wide_store(&mut halves, half);
+        let half = self.table.half_of(self.lanes, narrow);
+        let mut halves = lanes.list(half);
         for half in &mut halves {
             *half = (*half as f64 * power(-32)).to_bits() as i64;
         }
-        lanes.wide_load(&halves)
+        lanes.load(&halves)
     }
 
     /// The runs of some rows between these columns, the first one negative, by [`seeds`].
@@ -354,7 +304,7 @@ impl<L: Doubles> RowReals<L> {
         span: &RealSpan<L>,
         [first, last]: [L::Word; 2],
     ) -> Runs<L> {
-        let lanes = self.math.lanes;
+        let lanes = self.lanes;
         let left = lanes.double_min(span.left, first);
         let end = lanes.double_min(span.end, last);
         let dx = self.rounded(lanes.double_add(left, rows.centre), self.to_dx);
@@ -362,17 +312,17 @@ impl<L: Doubles> RowReals<L> {
         let x = lanes.double_sub(whole, left);
         let end = lanes.double_add(whole, end);
         let columns = [self.word(x), self.word(end)];
-        seeds(self.math, &self.seeds, columns, [self.word(dx), span.down])
+        seeds(self.lanes, &self.seeds, columns, [self.word(dx), span.down])
     }
 
     /// Is something left of the cut-off that table or seeds do not take? Not 0 where it is.
     #[inline(always)]
     pub fn excess(&self, longest: L::Word) -> L::Word {
-        let (lanes, zero, one) = (self.math.lanes, self.math.splat(0), self.math.splat(1));
+        let (lanes, zero, one) = (self.lanes, self.lanes.splat(0), self.lanes.splat(1));
         let square = lanes.double_mul(longest, self.squared_width);
         let fits = lanes.double_greater(self.longest[0], longest);
         let near = lanes.double_greater(self.longest[1], square);
-        let excess = lanes.wide_select(one, zero, fits);
-        lanes.wide_select(one, excess, near)
+        let excess = lanes.select(one, zero, fits);
+        lanes.select(one, excess, near)
     }
 }

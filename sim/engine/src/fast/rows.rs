@@ -2,22 +2,21 @@
 //!
 //! A small splat has as many rows as a row has pixels, so that a row must not cost more than a vector of pixels. Down
 //! the rows only additions depend on each other; root, span and seeds are computed for four or eight rows in one
-//! vector. What the shorter words could not hold is noticed beforehand or beside the computation, and such a footprint
-//! is left to the kernel's own rows.
+//! vector: in double precision, from constants that are computed for a group of footprints (`row_group.rs`), and in
+//! words of 64 bits where doubles have not all bits. What neither could hold is noticed beforehand or beside the
+//! computation, and such a footprint is left to the kernel's own rows.
 //!
 //! [`EllipseSpans`]: splatline::raster::EllipseSpans
 
-use super::lanes::{Doubles, Wide, apart};
-use super::recurrence::{RowVectors, stays_near};
-use super::row_group::RowGroup;
-use super::row_reals::{RealBlock, RowReals, scale};
-use super::row_words::{RowWords, Runs, columns_of_runs, excess, is_tame, runs};
-use super::setup::number::Arithmetic;
+use super::lanes::{Lanes, apart};
+use super::row_group::{ROW_BLOCKS, RowGroup};
+use super::row_reals::RowReals;
+use super::row_words::{RowVectors, RowWords, Runs, excess, is_tame, runs, stays_near};
 use super::tile::{ROOM, ROWS, TILE};
 use core::ops::Range;
 use splatline::footprint::Footprint;
-use splatline::format::{RuntimeWidths, Widths};
-use splatline::raster::{BLOCK, EllipseSpans, ROW_BLOCKS, RowConstants, Window};
+use splatline::format::{Design, RuntimeWidths, Widths};
+use splatline::raster::{BLOCK, EllipseSpans, RowConstants, Window};
 
 /// Blocks of a tile's row that have seeds of their own.
 pub const BLOCKS: usize = (TILE[0] / BLOCK) as usize;
@@ -39,21 +38,22 @@ impl RuntimeRows {
         Some(RuntimeRows { design, lane_bits })
     }
 
-    /// Rows of a footprint in the window, as its design's lanes have them.
+    /// The design's widths.
     #[inline(always)]
+    pub fn widths(&self) -> Widths {
+        self.design.widths()
+    }
+
+    /// Rows of a footprint in the window, as its design's lanes have them: compiled once, for the few footprints that
+    /// need it.
+    #[cold]
+    #[inline(never)]
     pub fn constants(&self, footprint: &Footprint, window: &Window) -> RowConstants<i64> {
         let mut constants = EllipseSpans::new(self.design, footprint, window).constants();
         if self.lane_bits < i64::BITS {
             constants.second = (constants.second as i32).into();
         }
         constants
-    }
-
-    /// The same, compiled once, for the few footprints that need it.
-    #[cold]
-    #[inline(never)]
-    pub fn constants_apart(&self, footprint: &Footprint, window: &Window) -> RowConstants<i64> {
-        self.constants(footprint, window)
     }
 }
 
@@ -79,17 +79,17 @@ impl BlockSpans {
 
     /// Notes the runs of the rows from number `start` on.
     #[inline(always)]
-    fn store<L: Wide>(&mut self, lanes: L, start: usize, runs: Runs<L>) {
-        lanes.wide_store(window_mut(&mut self.x, start), runs.x);
-        lanes.wide_store(window_mut(&mut self.end, start), runs.end);
-        lanes.wide_store(window_mut(&mut self.radial, start), runs.radial);
-        lanes.wide_store(window_mut(&mut self.first, start), runs.first);
+    fn store<L: Lanes>(&mut self, lanes: L, start: usize, runs: Runs<L>) {
+        lanes.store(window_mut(&mut self.x, start), runs.x);
+        lanes.store(window_mut(&mut self.end, start), runs.end);
+        lanes.store(window_mut(&mut self.radial, start), runs.radial);
+        lanes.store(window_mut(&mut self.first, start), runs.first);
     }
 
     /// First column of the rows from number `start` on, and one past the last.
     #[inline(always)]
-    pub fn columns<L: Wide>(&self, lanes: L, start: usize) -> [L::Word; 2] {
-        [&self.x, &self.end].map(|list| lanes.wide_load(window(list, start)))
+    pub fn columns<L: Lanes>(&self, lanes: L, start: usize) -> [L::Word; 2] {
+        [&self.x, &self.end].map(|list| lanes.load(window(list, start)))
     }
 
     /// Radial index and first difference at the first column of row number `row`.
@@ -151,29 +151,27 @@ impl RowBatch {
         }
     }
 
-    /// Computes the runs of a footprint in the tile that begins at column `left`; `false` if vectors cannot.
+    /// Computes the runs of a group's footprint `k`, which this is, in the part of the tile that the window shows: its
+    /// first row and second difference, or `None` if vectors cannot. `together` is what the group's computation gave,
+    /// for a tile that begins at column `left`.
     #[inline(always)]
-    pub fn fill<L: Doubles>(&mut self, lanes: L, constants: &RowConstants<i64>, left: u16) -> bool {
-        self.touch(constants.visible, left);
-        if !is_tame(constants) {
-            return false;
-        }
-        let math = Arithmetic { lanes };
-        if L::ROWS_APART {
-            apart(|| self.fill_here(math, constants, left))
-        } else {
-            self.fill_here(math, constants, left)
-        }
-    }
-
-    #[inline(always)]
-    fn fill_here<L: Doubles>(
+    pub fn fill<L: Lanes>(
         &mut self,
-        math: Arithmetic<L>,
-        constants: &RowConstants<i64>,
-        left: u16,
-    ) -> bool {
-        self.fill_in_reals(math, constants, left) || self.fill_in_words(math, constants, left)
+        rows: &RuntimeRows,
+        (together, group, k): (&RowReals<L>, &RowGroup, usize),
+        footprint: &Footprint,
+        (window, left): (&Window, u16),
+    ) -> Option<(u16, i64)> {
+        if self.fill_in_reals(together, group, k, left) {
+            return Some((group.member(k).rows[0], group.second(k)));
+        }
+        let constants = rows.constants(footprint, window);
+        let filled = if L::ROWS_APART {
+            apart(|| self.fill_in_words(together.lanes, &constants, left))
+        } else {
+            self.fill_in_words(together.lanes, &constants, left)
+        };
+        filled.then_some((constants.rows[0], constants.second))
     }
 
     /// Notes the blocks of the visible columns.
@@ -184,10 +182,9 @@ impl RowBatch {
         self.touched = (first / block, last.div_ceil(block).min(BLOCKS));
     }
 
-    /// Computes the runs of a group's footprint `k`; `false` if that cannot. `together` is what the group's computation
-    /// gave.
+    /// In double precision; `false` where that has not all bits.
     #[inline(always)]
-    pub fn fill_member<L: Doubles>(
+    fn fill_in_reals<L: Lanes>(
         &mut self,
         together: &RowReals<L>,
         group: &RowGroup,
@@ -199,26 +196,54 @@ impl RowBatch {
         if !group.is_ordinary(k) {
             return false;
         }
-        let block = |number| Some(group.block(k, number));
         let reals = group.reals(k, together);
-        self.fill_blocks(&reals, member.rows, 2, block, group.columns(k, &reals))
+        let columns = group.columns(k, &reals);
+        let mut longest = reals.lanes.splat(0);
+        let touched = self.touched();
+        let [first, last] = member.rows;
+        let count = usize::from(last.saturating_sub(first)).min(ROWS);
+        let mut start = 0;
+        for number in 0..ROW_BLOCKS {
+            if start >= count {
+                break;
+            }
+            let block = group.block(k, number);
+            let end = usize::from(block.end.saturating_sub(first)).min(count);
+            let mut rows = reals.rows(&block);
+            while start < end {
+                let span = reals.span(&rows, &mut longest);
+                // Without a loop, which would fetch its constants for the one block that most footprints touch.
+                for (number, spans) in self.blocks.iter_mut().enumerate() {
+                    if touched.contains(&number) {
+                        let runs = reals.runs(&rows, &span, columns[number]);
+                        spans.store(reals.lanes, start, runs);
+                    }
+                }
+                rows = reals.step(&rows);
+                start += L::WIDE;
+            }
+            start = end;
+        }
+        self.rows = count;
+        !reals.lanes.any(reals.excess(longest))
     }
 
     /// The same with all of a row in words; `false` where they are too large.
     #[inline(always)]
-    fn fill_in_words<L: Wide>(
+    fn fill_in_words<L: Lanes>(
         &mut self,
-        math: Arithmetic<L>,
+        lanes: L,
         constants: &RowConstants<i64>,
         left: u16,
     ) -> bool {
+        self.touch(constants.visible, left);
         let [first, last] = constants.rows;
         let count = usize::from(last.saturating_sub(first)).min(ROWS);
-        if !stays_near(constants, count) {
+        if !is_tame(constants) || !stays_near(constants, count) {
             return false;
         }
-        let (lanes, words) = (math.lanes, RowWords::new(math, constants));
-        let (mut large, mut long) = (math.splat(0), math.splat(0));
+        let words = RowWords::new(lanes, constants);
+        let (mut large, mut long) = (lanes.splat(0), lanes.splat(0));
         let mut start = 0;
         for block in &constants.blocks {
             let end = usize::from(block.end.saturating_sub(first)).min(count);
@@ -231,82 +256,17 @@ impl RowBatch {
                     let column = i64::from(left) + (number * usize::from(BLOCK)) as i64;
                     let columns = [column, column + i64::from(BLOCK)];
                     let [centre, vertical] = [rows.centre, rows.vertical];
-                    let runs = runs(math, &words, [centre, vertical], columns, &mut large);
+                    let runs = runs(lanes, &words, [centre, vertical], columns, &mut large);
                     self.blocks[number].store(lanes, start, runs);
                 }
                 rows.step(lanes);
                 start += L::WIDE;
             }
-            long = math.add(long, rows.excess(lanes));
+            long = lanes.add(long, rows.excess(lanes));
             start = end;
         }
         self.rows = count;
-        !lanes.wide_any(math.add(long, excess(lanes, constants, large)))
-    }
-
-    /// The same with rows in double precision; `false` where it has not all bits.
-    #[inline(always)]
-    fn fill_in_reals<L: Doubles>(
-        &mut self,
-        math: Arithmetic<L>,
-        constants: &RowConstants<i64>,
-        left: u16,
-    ) -> bool {
-        let reals = RowReals::new(math, constants);
-        let scale = scale(constants.vertical_fraction);
-        let block = |number: usize| reals.block(&constants.blocks[number], scale);
-        let [first, last] = columns_of_runs(constants);
-        let mut columns = [[math.splat(0); 2]; BLOCKS];
-        for (block, columns) in (0..).zip(&mut columns) {
-            let column = left.saturating_add(block * BLOCK);
-            let end = column.saturating_add(BLOCK).min(last);
-            *columns = [
-                reals.splat(-f64::from(column.max(first))),
-                reals.splat(end.into()),
-            ];
-        }
-        self.fill_blocks(&reals, constants.rows, ROW_BLOCKS, block, columns)
-    }
-
-    /// The rows of these blocks, in double precision, between the columns of each block of columns.
-    #[inline(always)]
-    fn fill_blocks<L: Doubles>(
-        &mut self,
-        reals: &RowReals<L>,
-        [first, last]: [u16; 2],
-        blocks: usize,
-        block: impl Fn(usize) -> Option<RealBlock>,
-        columns: [[L::Word; 2]; BLOCKS],
-    ) -> bool {
-        let mut longest = reals.math.splat(0);
-        let touched = self.touched();
-        let count = usize::from(last.saturating_sub(first)).min(ROWS);
-        let mut start = 0;
-        for number in 0..blocks {
-            if start >= count {
-                break;
-            }
-            let Some(block) = block(number) else {
-                return false;
-            };
-            let end = usize::from(block.end.saturating_sub(first)).min(count);
-            let mut rows = reals.rows(&block);
-            while start < end {
-                let span = reals.span(&rows, &mut longest);
-                // Without a loop, which would fetch its constants for the one block that most footprints touch.
-                for (number, spans) in self.blocks.iter_mut().enumerate() {
-                    if touched.contains(&number) {
-                        let runs = reals.runs(&rows, &span, columns[number]);
-                        spans.store(reals.math.lanes, start, runs);
-                    }
-                }
-                rows = reals.step(&rows);
-                start += L::WIDE;
-            }
-            start = end;
-        }
-        self.rows = count;
-        !reals.math.lanes.wide_any(reals.excess(longest))
+        !lanes.any(lanes.add(long, excess(lanes, constants, large)))
     }
 
     /// Blocks that the footprint's box touches; the others hold what an earlier footprint left there.

@@ -207,91 +207,54 @@ fn assert_same(got: &[Pixel], expected: &[Pixel], by: &str) {
     assert_eq!(different, None, "{by}");
 }
 
-/// Draws by both; `false` if vectors do not draw under these widths.
+/// The orders of drawing: the first one finishes pixels.
+const ORDERS: [Compositing; 3] = [
+    Compositing::FrontToBack,
+    Compositing::BackToFront,
+    Compositing::XRay,
+];
+
+/// A tile's pixels within the viewport.
+pub(super) fn window((x, y): (u16, u16)) -> Window {
+    let first = [x * TILE[0], y * TILE[1]];
+    let end = [0, 1].map(|axis| (first[axis] + TILE[axis]).min(VIEWPORT[axis]));
+    Window { first, end }
+}
+
+/// Draws by vectors and by the kernel in these orders; `false` if vectors do not draw under these widths.
 fn agree(
     widths: Widths,
     rules: &Rules,
     footprints: &[Result<Footprint, Cull>],
-    tile: [u16; 2],
+    tile: (u16, u16),
+    orders: &[Compositing],
 ) -> bool {
-    let memory = table_entries(&widths, rules);
-    let table = table(&memory, &widths, rules);
-    let first = [tile[0] * TILE[0], tile[1] * TILE[1]];
-    let last = [0, 1].map(|axis| (first[axis] + TILE[axis]).min(VIEWPORT[axis]));
-    let window = Window { first, end: last };
-    let columns = usize::from(last[0] - first[0]);
-    let mut pixels = vec![Pixel::clear(&widths); columns * usize::from(last[1] - first[1])];
-    let mut target = Target::new(&mut pixels, window, columns).unwrap();
-    let (order, traversal) = (Compositing::FrontToBack, Traversal::Spans);
-    let scalar = Painter::new(any_widths(widths), rules, table, order, traversal);
-    let mut expected = Coverage::default();
-    for footprint in footprints.iter().flatten() {
-        expected += scalar.draw(footprint, &mut target);
-    }
-    for (choice, counts) in [
-        (VectorLevel::Best, true),
-        (VectorLevel::Best, false),
-        (VectorLevel::Avx2, true),
-        (VectorLevel::Avx2, false),
-        (VectorLevel::Portable, true),
-        (VectorLevel::Portable, false),
-    ] {
-        let order = Compositing::FrontToBack;
-        let Some(painter) = WordPainter::new(any_widths(widths), rules, order, choice, counts)
-        else {
-            return false;
-        };
-        let (got, coverage) = painted(&painter, window, footprints);
-        assert_same(&got, &pixels, &format!("{choice:?}, counts: {counts}"));
-        if counts {
-            assert_eq!(coverage, expected, "{choice:?}");
-        }
-    }
-    for counts in [true, false] {
-        let (design, choice) = (any_widths(widths), Some(VectorLevel::Best));
-        let chosen = tile_painter(design, rules, order, traversal, choice, counts);
-        let (got, coverage) = painted(&*chosen, window, footprints);
-        assert_same(&got, &pixels, &format!("chosen, {counts}"));
-        assert!(!counts || coverage == expected, "chosen");
-    }
-    true
-}
-
-/// Draws by words and by the kernel in the orders in which no pixel finishes; `false` if vectors do not draw.
-fn agree_in_other_orders(
-    widths: Widths,
-    rules: &Rules,
-    footprints: &[Result<Footprint, Cull>],
-    tile: [u16; 2],
-) -> bool {
-    let memory = table_entries(&widths, rules);
-    let first = [tile[0] * TILE[0], tile[1] * TILE[1]];
-    let end = [0, 1].map(|axis| (first[axis] + TILE[axis]).min(VIEWPORT[axis]));
-    let window = Window { first, end };
-    for order in [Compositing::BackToFront, Compositing::XRay] {
+    let (design, traversal) = (any_widths(widths), Traversal::Spans);
+    let (memory, window) = (table_entries(&widths, rules), window(tile));
+    for order in orders.iter().copied() {
         let mut pixels = vec![Pixel::clear(&widths); window.pixels()];
-        let columns = usize::from(window.columns());
-        let mut target = Target::new(&mut pixels, window, columns).unwrap();
+        let mut target = Target::new(&mut pixels, window, window.columns().into()).unwrap();
         let table = table(&memory, &widths, rules);
-        let scalar = Painter::new(any_widths(widths), rules, table, order, Traversal::Spans);
+        let scalar = Painter::new(design, rules, table, order, traversal);
         let mut expected = Coverage::default();
         for footprint in footprints.iter().flatten() {
             expected += scalar.draw(footprint, &mut target);
         }
-        for (choice, counts) in [
-            (VectorLevel::Best, true),
-            (VectorLevel::Best, false),
-            (VectorLevel::Avx2, true),
-            (VectorLevel::Avx2, false),
-            (VectorLevel::Portable, true),
-        ] {
-            let painter = WordPainter::new(any_widths(widths), rules, order, choice, counts);
-            let Some(painter) = painter else {
-                return false;
-            };
-            let (got, coverage) = painted(&painter, window, footprints);
-            assert_same(&got, &pixels, &format!("{order:?}, {choice:?}, {counts}"));
-            assert!(!counts || coverage == expected, "{order:?}, {choice:?}");
+        let check = |painter: &dyn TilePainter, counts: bool, by: &str| {
+            let (got, coverage) = painted(painter, window, footprints);
+            assert_same(&got, &pixels, &format!("{by}, {order:?}, counts: {counts}"));
+            assert!(!counts || coverage == expected, "{by}, {order:?}");
+        };
+        for counts in [true, false] {
+            for choice in [VectorLevel::Best, VectorLevel::Avx2, VectorLevel::Portable] {
+                let Some(painter) = WordPainter::new(design, rules, order, choice, counts) else {
+                    return false;
+                };
+                check(&painter, counts, &format!("{choice:?}"));
+            }
+            let choice = Some(VectorLevel::Best);
+            let chosen = tile_painter(design, rules, order, traversal, choice, counts);
+            check(&*chosen, counts, "chosen");
         }
     }
     true
@@ -312,8 +275,7 @@ proptest! {
     ) {
         let rules = rules_of(ewa);
         let footprints = ordinary(widths, &rules, seed, multiplier);
-        agree(widths, &rules, &footprints, [tile.0, tile.1]);
-        agree_in_other_orders(widths, &rules, &footprints, [tile.0, tile.1]);
+        agree(widths, &rules, &footprints, tile, &ORDERS);
     }
 
     #[test]
@@ -322,8 +284,7 @@ proptest! {
     ) {
         let rules = rules_of(ewa);
         let footprints = ordinary(widths, &rules, seed, multiplier);
-        prop_assert!(agree(widths, &rules, &footprints, [tile.0, tile.1]));
-        prop_assert!(agree_in_other_orders(widths, &rules, &footprints, [tile.0, tile.1]));
+        prop_assert!(agree(widths, &rules, &footprints, tile, &ORDERS));
     }
 
     #[test]
@@ -334,7 +295,7 @@ proptest! {
         let rules = rules_of(ewa);
         let mut all = ordinary(widths, &rules, seed, multiplier);
         all.extend(footprints.into_iter().map(Ok));
-        agree(widths, &rules, &all, [tile.0, tile.1]);
+        agree(widths, &rules, &all, tile, &ORDERS[..1]);
     }
 
     #[test]
@@ -342,7 +303,6 @@ proptest! {
         widths in usual_widths(), ewa: bool, footprints in prop::collection::vec(arbitrary(), 1..40), tile in (0u16..3, 0u16..2),
     ) {
         let footprints: Vec<_> = footprints.into_iter().map(Ok).collect();
-        prop_assert!(agree(widths, &rules_of(ewa), &footprints, [tile.0, tile.1]));
-        prop_assert!(agree_in_other_orders(widths, &rules_of(ewa), &footprints, [tile.0, tile.1]));
+        prop_assert!(agree(widths, &rules_of(ewa), &footprints, tile, &ORDERS));
     }
 }

@@ -1,7 +1,7 @@
 //! Which blocks of 8 x 8 pixels still have a pixel in work, and whether a box touches one: by sums over the blocks
 //! above and to the left.
 
-use super::spheres::{Lanes, TOGETHER};
+use super::spheres::{Numbers, TOGETHER};
 use crate::fast::TILE;
 use splatline::blend::{FINISHED, Pixel};
 use splatline::raster::Window;
@@ -35,7 +35,7 @@ impl LiveBlocks {
 
     /// The blocks of boxes of pixels within the viewport, or one more on a side.
     #[inline(always)]
-    pub fn of_boxes(&self, bounds: &[Lanes; 4]) -> [[u16; TOGETHER]; 4] {
+    pub fn of_boxes(&self, bounds: &[Numbers; 4]) -> [[u16; TOGETHER]; 4] {
         const UNIT: f32 = 1.0 / BLOCK as f32;
         // The last bits of a sum with it are a number rounded to nearest.
         const WHOLE: f32 = (1 << 23) as f32;

@@ -22,7 +22,7 @@ pub use blocks::{LiveBlocks, live_blocks};
 pub use spheres::{BoundingSpheres, SphereProjection};
 
 use super::frame::SetUpPart;
-use super::lanes::{Doubles, Portable, VectorLevel, VectorTask, dispatch_vectors};
+use super::lanes::{Lanes, Portable, VectorLevel, VectorTask, dispatch_vectors};
 use super::order::part_length;
 use cuts::Cut;
 use rayon::prelude::*;
@@ -152,7 +152,7 @@ impl VectorTask for Dealing<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run<L: Doubles>(self, _: L) {
+    fn run<L: Lanes>(self, _: L) {
         let indices = self.first as u32..(self.first + self.count) as u32;
         let starts = indices.clone().step_by(TOGETHER);
         for (group, start) in self.groups.iter().zip(starts) {

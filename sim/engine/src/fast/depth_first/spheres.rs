@@ -47,10 +47,10 @@ const FAR_OFF: f32 = (1 << 24) as f32;
 pub const TOGETHER: usize = 16;
 
 /// So many numbers of as many spheres.
-pub type Lanes = [f32; TOGETHER];
+pub type Numbers = [f32; TOGETHER];
 
 /// x, y, z and radii.
-pub type Spheres = [Lanes; 4];
+pub type Spheres = [Numbers; 4];
 
 /// One for each splat.
 #[derive(Clone, Debug, Default)]
@@ -267,9 +267,9 @@ impl SphereProjection {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Projected {
     /// The least depth that each centre can have in the kernel.
-    pub least: Lanes,
+    pub least: Numbers,
     /// The largest.
-    pub most: Lanes,
+    pub most: Numbers,
     /// Left, top, right and bottom of the boxes in pixels.
-    pub bounds: [Lanes; 4],
+    pub bounds: [Numbers; 4],
 }

@@ -1,6 +1,5 @@
-//! Vectors for whatever the processor has. Setup computes on 64-bit words ([`Wide`]) and double-precision numbers
-//! ([`Doubles`]), pixels on [`words::PixelWords`] and [`singles::Singles`], sums of a surface's pixels on
-//! [`sums::PixelSums`].
+//! Vectors for whatever the processor has. Setup and rows compute on 64-bit words and double-precision numbers in their
+//! bits ([`Lanes`]), pixels on the same or on [`singles::Singles`].
 //!
 //! | implementation | 64-bit words | chosen |
 //! |---|--:|---|
@@ -10,8 +9,8 @@
 //!
 //! A value of an x86 type is the proof that the processor has its instructions, because only detection makes one; that
 //! is what makes the methods safe to call. [`dispatch_vectors`] runs a [`VectorTask`] on the widest of them, compiled
-//! for it. Every method is one or two instructions; the portable implementation is their definition, and tests compare
-//! the others with it word for word.
+//! for it. What an implementation gives is one or two instructions for each method; the portable one is the definition,
+//! and tests compare the others with it word for word.
 
 /// An intrinsic on registers, never one that touches memory, or a function that is compiled for such. SAFETY of every
 /// use: the vectors' value (`self`, `lanes`) proves that the processor has the instructions.
@@ -23,26 +22,38 @@ macro_rules! op {
     };
 }
 
+/// The operations that have the same shape at every level: the word, its casts to numbers and back, and an
+/// instruction for each.
+#[cfg(target_arch = "x86_64")]
+macro_rules! arithmetic {
+    ($word:ty, $to:ident, $from:ident, two: $($two:ident = $op2:ident),+; three: $($three:ident = $op3:ident),+) => {
+        $(#[inline(always)]
+        fn $two(self, a: $word, b: $word) -> $word {
+            op!($from($op2($to(a), $to(b))))
+        })+
+        $(#[inline(always)]
+        fn $three(self, a: $word, b: $word, c: $word) -> $word {
+            op!($from($op3($to(a), $to(b), $to(c))))
+        })+
+    };
+}
+
 #[cfg(target_arch = "x86_64")]
 pub mod avx2;
 #[cfg(target_arch = "x86_64")]
 pub mod avx512;
-mod doubles;
 pub mod packed;
 mod portable;
 mod run;
 pub mod singles;
-pub mod sums;
-mod wide;
 pub mod words;
 
-pub use doubles::Doubles;
 pub use portable::Portable;
 pub use run::{
     VectorLevel, VectorTask, dispatch_pixels, dispatch_vectors, draws_pixels, has_vectors, name,
     prefetch,
 };
-pub use wide::{Wide, apart};
+pub use words::{Lanes, apart};
 
 #[cfg(test)]
 mod tests;

@@ -2,7 +2,7 @@
 
 #![allow(unsafe_code)]
 
-use super::sums::PixelSums;
+use super::words::Lanes;
 use std::str::FromStr;
 
 /// Work that is generic over the vectors. Implement `run` and all that it calls with `#[inline(always)]`, or it is not
@@ -11,7 +11,7 @@ pub trait VectorTask {
     /// The result.
     type Output;
     /// The work.
-    fn run<L: PixelSums>(self, lanes: L) -> Self::Output;
+    fn run<L: Lanes>(self, lanes: L) -> Self::Output;
 }
 
 /// Which vectors to use.

@@ -1,28 +1,36 @@
-//! Every operation of every implementation against the portable arrays, word for word.
+//! Operations of every implementation against the portable arrays, word for word.
 
-use super::sums::PixelSums;
 use super::words::Falls;
 use super::*;
 use proptest::prelude::*;
 
-/// Results of all operations on pixels' words, in a fixed order.
-struct PixelOperations {
+/// Operands of the operations on words.
+struct Operations {
     a: [u64; 16],
     b: [i64; 8],
     at: usize,
     count: usize,
+    by: u32,
+    rows: [[i32; 4]; 8],
+    table: Vec<u32>,
     falls: Falls,
 }
 
-impl VectorTask for &PixelOperations {
+impl VectorTask for &Operations {
+    /// The first four words of all results, in a fixed order, written among pixels and listed.
     type Output = Vec<[u64; 4]>;
 
     #[inline(always)]
-    fn run<L: PixelSums>(self, lanes: L) -> Self::Output {
-        let (a, b) = (lanes.read(&self.a, self.at), lanes.wide_load(&self.b));
-        let low = lanes.wide_splat(u32::MAX.into());
-        let truth = lanes.wide_greater(a, b);
+    fn run<L: Lanes>(self, lanes: L) -> Self::Output {
+        let (a, b) = (lanes.read(&self.a, self.at), lanes.load(&self.b));
+        let low = lanes.splat(u32::MAX.into());
+        let truth = lanes.greater(a, b);
         let first = lanes.first(self.count);
+        let [x, y, z, w] = lanes.columns(|k| self.rows[k]);
+        let [entry, next] = lanes.gather(&self.table, a);
+        let [inside, beside] = lanes.gather(&self.table, lanes.masked(b, 63));
+        let rows = lanes.rows([a, b, entry, x]);
+        let turned = lanes.columns(|k| rows[k]);
         let words = [
             a,
             lanes.keep(a, lanes.marked(b)),
@@ -30,9 +38,27 @@ impl VectorTask for &PixelOperations {
             lanes.keep(a, first),
             lanes.keep(a, lanes.both(truth, first)),
             lanes.keep(a, lanes.except(truth, first)),
-            lanes.min_short(lanes.wide_and(a, low), lanes.wide_and(b, low)),
-            lanes.multiples(lanes.wide_splat(self.b[0])),
+            lanes.min_short(lanes.and(a, low), lanes.and(b, low)),
+            lanes.multiples(lanes.splat(self.b[0])),
             lanes.intervals(&self.falls, b),
+            turned[0],
+            turned[1],
+            turned[2],
+            turned[3],
+            lanes.mul_whole(a, b),
+            lanes.mul(a, b),
+            lanes.mul_unsigned(a, b),
+            lanes.sar_by(a, self.by),
+            lanes.select(a, b, truth),
+            lanes.select(a, b, lanes.double_greater(a, b)),
+            x,
+            y,
+            z,
+            w,
+            entry,
+            next,
+            inside,
+            beside,
         ];
         let mut results = Vec::new();
         for word in words {
@@ -40,83 +66,24 @@ impl VectorTask for &PixelOperations {
             lanes.write(&mut stored, self.at, word);
             let start = self.at.min(stored.len() - 4);
             results.push(std::array::from_fn(|k| stored[start + k]));
+            let list = lanes.list(word);
+            results.push(std::array::from_fn(|k| list[k] as u64));
         }
         results
     }
 }
 
-/// Operations on 64-bit words that AVX2 is missing in part.
-struct WideOperations {
-    a: [i64; 8],
-    b: [i64; 8],
-    by: u32,
-    rows: [[i32; 4]; 8],
-    table: Vec<u32>,
-}
-
-impl VectorTask for &WideOperations {
-    type Output = [[i64; 4]; 18];
-
-    #[inline(always)]
-    fn run<L: Doubles>(self, lanes: L) -> [[i64; 4]; 18] {
-        let (a, b) = (lanes.wide_load(&self.a), lanes.wide_load(&self.b));
-        let [x, y, z, w] = lanes.wide_columns(|k| self.rows[k]);
-        let [low, high] = lanes.wide_gather(&self.table, a);
-        let [inside, next] =
-            lanes.wide_gather(&self.table, lanes.wide_and(b, lanes.wide_splat(63)));
-        let mut rows = [[0; 4]; 8];
-        lanes.wide_rows(&mut rows, [a, b, low, x]);
-        let turned = lanes.wide_columns(|k| rows[k]);
-        let words = [
-            turned[0],
-            turned[1],
-            turned[2],
-            turned[3],
-            lanes.wide_mul_whole(a, b),
-            lanes.wide_mul(a, b),
-            lanes.wide_mul_unsigned(a, b),
-            lanes.wide_sar_by(a, self.by),
-            lanes.wide_select(a, b, lanes.wide_greater(a, b)),
-            lanes.wide_select(a, b, lanes.double_greater(a, b)),
-            x,
-            y,
-            z,
-            w,
-            low,
-            high,
-            inside,
-            next,
-        ];
-        words.map(|word| {
-            let mut stored = [0; 8];
-            lanes.wide_store(&mut stored, word);
-            std::array::from_fn(|k| stored[k])
-        })
-    }
-}
-
 proptest! {
     #[test]
-    fn wide_operations_are_the_portable_ones(
-        a: [i64; 8], b: [i64; 8], by in 0u32..64, rows: [[i32; 4]; 8], table in prop::collection::vec(any::<u32>(), 0..60),
-    ) {
-        let operations = WideOperations { a, b, by, rows, table };
-        let expected = operations.run(Portable);
-        for choice in [VectorLevel::Avx2, VectorLevel::Best] {
-            let found = dispatch_vectors(choice, &operations).unwrap_or(expected);
-            prop_assert_eq!(found, expected);
-        }
-    }
-
-    #[test]
-    fn operations_on_pixels_are_the_portable_ones(
-        a: [u64; 16], b: [i64; 8], alike: bool, at in 0usize..9, count in 0usize..9, falls in prop::collection::vec(0u32..1000, 1..40),
+    fn operations_are_the_portable_ones(
+        a: [u64; 16], b: [i64; 8], alike: bool, at in 0usize..9, count in 0usize..9, by in 0u32..64, rows: [[i32; 4]; 8],
+        table in prop::collection::vec(any::<u32>(), 0..60), falls in prop::collection::vec(0u32..1000, 1..40),
     ) {
         let mut entries = falls;
         entries.sort_unstable_by(|a, b| b.cmp(a));
         let falls = Falls::new(&entries).expect("they fall");
         let b = if alike { std::array::from_fn(|k| a[at + k] as i64) } else { b };
-        let operations = PixelOperations { a, b, at, count, falls };
+        let operations = Operations { a, b, at, count, by, rows, table, falls };
         let expected = (&operations).run(Portable);
         for choice in [VectorLevel::Avx2, VectorLevel::Best] {
             let found = dispatch_vectors(choice, &operations);

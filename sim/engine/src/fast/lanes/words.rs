@@ -1,24 +1,26 @@
-//! Vectors of 64-bit words for pixels that single precision does not hold: a word for each pixel, so that a product of
-//! 32 bits by 32 needs neither taking apart nor interleaving.
+//! Vectors of 64-bit words: what setup and rows compute with, pixels that single precision does not hold (a word for
+//! each, so that a product of 32 bits by 32 needs neither taking apart nor interleaving), and the eight sums of a
+//! surface's pixel.
 //!
 //! Shifts and constants are words in memory and not of the instructions: one compiled copy draws every design.
+//!
+//! Runs of surfaces are three pixels long: side by side, pixels would leave vectors half empty, and each sum would be a
+//! product of its own. The sums of one pixel, 32 bits each, fill a vector whatever the run, so that a splat's share of
+//! all of them is two products.
 
-#![allow(unsafe_code)]
-
-use super::wide::Words;
-use super::{Portable, Wide};
+use super::singles::Singles;
 
 /// A falling table's intervals: an entry in the upper half of a word, its fall to the next one in the lower. Their
 /// number is a power of two.
 #[derive(Clone, Debug)]
 pub struct Falls {
-    intervals: Box<[u64]>,
+    pub(super) intervals: Box<[u64]>,
     /// The last one's number, for every word of a vector.
     #[cfg_attr(
         not(target_arch = "x86_64"),
         allow(dead_code, reason = "arrays go by the length")
     )]
-    last: [i64; 8],
+    pub(super) last: [i64; 8],
 }
 
 impl Falls {
@@ -38,13 +40,167 @@ impl Falls {
 
     /// The interval of this number, modulo the table's length.
     #[inline(always)]
-    fn at(&self, index: i64) -> i64 {
+    pub(super) fn at(&self, index: i64) -> i64 {
         self.intervals[index as usize & (self.intervals.len() - 1)] as i64
     }
 }
 
-/// Operations on pixels of one word each.
-pub trait PixelWords: Wide {
+/// Sums of a pixel; the last one is the sum of weights.
+pub type Sums = [u32; 8];
+
+/// How weight times attribute is brought back to the sums' format.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ShareShift {
+    /// Bits dropped, 1 to 32.
+    pub by: u32,
+    /// Half of `2^by`, or 0 to truncate.
+    pub half: u64,
+}
+
+/// Operations on vectors of 64-bit signed words. Arithmetic wraps.
+pub trait Lanes: Copy + Send + Sync {
+    /// Words of a vector, at most 8.
+    const WIDE: usize;
+    /// Are the rows of footprints functions that all painters call, and not compiled into each? Calls take some time
+    /// from painting, copies took most of the time in which this crate is compiled.
+    const ROWS_APART: bool = false;
+    /// A vector.
+    type Word: Copy;
+    /// One truth value per word.
+    type Truth: Copy;
+    /// Attributes of a splat.
+    type Attributes: Copy;
+    /// Pixels in single precision on the same processor.
+    type Singles: Singles;
+
+    /// See [`Lanes::Singles`].
+    fn singles(self) -> Self::Singles;
+    /// The same word everywhere.
+    fn splat(self, value: i64) -> Self::Word;
+    /// The first words of `from`.
+    fn load(self, from: &[i64; 8]) -> Self::Word;
+    /// Four words: word `c` holds integer `c` of the four that `row` has for each of the vector's places.
+    fn columns(self, row: impl Fn(usize) -> [i32; 4]) -> [Self::Word; 4];
+    /// The other way round: the lower halves of four words as rows, as many as the vector has places.
+    fn rows(self, columns: [Self::Word; 4]) -> [[i32; 4]; 8];
+    /// Stores into the first words of `to`.
+    fn store(self, to: &mut [i64; 8], value: Self::Word);
+    /// a + b.
+    fn add(self, a: Self::Word, b: Self::Word) -> Self::Word;
+    /// a - b.
+    fn sub(self, a: Self::Word, b: Self::Word) -> Self::Word;
+    /// a & b.
+    fn and(self, a: Self::Word, b: Self::Word) -> Self::Word;
+    /// a | b.
+    fn or(self, a: Self::Word, b: Self::Word) -> Self::Word;
+    /// a ^ b.
+    fn xor(self, a: Self::Word, b: Self::Word) -> Self::Word;
+    /// a b of words that fit 32 bits.
+    fn mul(self, a: Self::Word, b: Self::Word) -> Self::Word;
+    /// a b of words that fit 32 bits without a sign.
+    fn mul_unsigned(self, a: Self::Word, b: Self::Word) -> Self::Word;
+    /// Low 64 bits of a b.
+    fn mul_whole(self, a: Self::Word, b: Self::Word) -> Self::Word;
+    /// a << by; 0 where `by` is negative or beyond 63.
+    fn shl(self, a: Self::Word, by: Self::Word) -> Self::Word;
+    /// a >> by, filled with zeros; 0 where `by` is negative or beyond 63.
+    fn shr(self, a: Self::Word, by: Self::Word) -> Self::Word;
+    /// a >> by, filled with the sign; 0 or -1 where `by` is negative or beyond 63.
+    fn sar(self, a: Self::Word, by: Self::Word) -> Self::Word;
+    /// Zeros before the first one, of words that are not negative; 64 for 0.
+    fn leading_zeros(self, a: Self::Word) -> Self::Word;
+    /// a >> by of a constant from 0 to 63, filled with the sign.
+    #[inline(always)]
+    fn sar_by(self, a: Self::Word, by: u32) -> Self::Word {
+        self.sar(a, self.splat(by.into()))
+    }
+    /// `table[index]` and `table[index + 1]` of the index's lower 32 bits; the last two entries beyond the table, zeros
+    /// if it has fewer.
+    fn gather(self, table: &[u32], index: Self::Word) -> [Self::Word; 2];
+    /// a > b.
+    fn greater(self, a: Self::Word, b: Self::Word) -> Self::Truth;
+    /// a = b.
+    fn equal(self, a: Self::Word, b: Self::Word) -> Self::Truth;
+    /// `b` where it is true, else `a`.
+    fn select(self, a: Self::Word, b: Self::Word, truth: Self::Truth) -> Self::Word;
+    /// Is any bit of a word set?
+    fn any(self, a: Self::Word) -> bool;
+    /// A bit for every word.
+    fn flags(self, truth: Self::Truth) -> u32;
+
+    /// All words, and zeros behind them.
+    #[inline(always)]
+    fn list(self, word: Self::Word) -> [i64; 8] {
+        let mut list = [0; 8];
+        self.store(&mut list, word);
+        list
+    }
+    /// a + b of a constant.
+    #[inline(always)]
+    fn plus(self, a: Self::Word, b: i64) -> Self::Word {
+        self.add(a, self.splat(b))
+    }
+    /// -a.
+    #[inline(always)]
+    fn negate(self, a: Self::Word) -> Self::Word {
+        self.sub(self.splat(0), a)
+    }
+    /// The lesser.
+    #[inline(always)]
+    fn min(self, a: Self::Word, b: Self::Word) -> Self::Word {
+        self.select(a, b, self.greater(a, b))
+    }
+    /// The greater.
+    #[inline(always)]
+    fn max(self, a: Self::Word, b: Self::Word) -> Self::Word {
+        self.select(a, b, self.greater(b, a))
+    }
+    /// |a|; the least word stays what it is.
+    #[inline(always)]
+    fn magnitude(self, a: Self::Word) -> Self::Word {
+        self.max(a, self.negate(a))
+    }
+    /// a << by of a constant.
+    #[inline(always)]
+    fn shl_by(self, a: Self::Word, by: i64) -> Self::Word {
+        self.shl(a, self.splat(by))
+    }
+    /// a >> by of a constant, filled with zeros.
+    #[inline(always)]
+    fn shr_by(self, a: Self::Word, by: i64) -> Self::Word {
+        self.shr(a, self.splat(by))
+    }
+    /// The bits of `mask`.
+    #[inline(always)]
+    fn masked(self, a: Self::Word, mask: i64) -> Self::Word {
+        self.and(a, self.splat(mask))
+    }
+
+    // Double-precision numbers in the words' bits, each result rounded once to nearest, halves to even.
+
+    /// a + b.
+    fn double_add(self, a: Self::Word, b: Self::Word) -> Self::Word;
+    /// a - b.
+    fn double_sub(self, a: Self::Word, b: Self::Word) -> Self::Word;
+    /// a b.
+    fn double_mul(self, a: Self::Word, b: Self::Word) -> Self::Word;
+    /// a b + c, rounded once.
+    fn double_mul_add(self, a: Self::Word, b: Self::Word, c: Self::Word) -> Self::Word;
+    /// a b - c, rounded once.
+    fn double_mul_sub(self, a: Self::Word, b: Self::Word, c: Self::Word) -> Self::Word;
+    /// The smaller one; `b` if one of them is no number.
+    fn double_min(self, a: Self::Word, b: Self::Word) -> Self::Word;
+    /// The larger one; `b` if one of them is no number.
+    fn double_max(self, a: Self::Word, b: Self::Word) -> Self::Word;
+    /// The largest integer that is not larger.
+    fn double_floor(self, a: Self::Word) -> Self::Word;
+    /// The square root.
+    fn double_root(self, a: Self::Word) -> Self::Word;
+    /// a > b.
+    fn double_greater(self, a: Self::Word, b: Self::Word) -> Self::Truth;
+
+    // Pixels of one word each.
+
     /// The words from place `at` on; zeros if there are too few.
     fn read(self, from: &[u64], at: usize) -> Self::Word;
     /// Stores words from place `at` on; nothing if there is no room.
@@ -67,209 +223,19 @@ pub trait PixelWords: Wide {
     fn multiples(self, a: Self::Word) -> Self::Word;
     /// The intervals of these numbers, modulo the table's length.
     fn intervals(self, table: &Falls, index: Self::Word) -> Self::Word;
+
+    // Sums of a pixel.
+
+    /// Attributes, each of magnitude at most 1 in the shift's format.
+    fn attributes(self, values: &[i32; 8], shift: ShareShift) -> Self::Attributes;
+
+    /// Adds `weight`, below 2^31, times the attributes to the sums; magnitudes are rounded. If the last sum would reach
+    /// 2^31 all stay as they are, and the answer is false.
+    fn add_shares(self, sums: &mut Sums, weight: &i64, attributes: &Self::Attributes) -> bool;
 }
 
-impl PixelWords for Portable {
-    #[cfg_attr(not(test), inline(always))]
-    fn read(self, from: &[u64], at: usize) -> Words {
-        let words = from.get(at..).and_then(|rest| rest.first_chunk::<8>());
-        words.map_or([0; 8], |words| words.map(|word| word as i64))
-    }
-    #[cfg_attr(not(test), inline(always))]
-    fn write(self, to: &mut [u64], at: usize, value: Words) {
-        if let Some(words) = to
-            .get_mut(at..)
-            .and_then(|rest| rest.first_chunk_mut::<8>())
-        {
-            *words = value.map(|word| word as u64);
-        }
-    }
-    #[cfg_attr(not(test), inline(always))]
-    fn marked(self, a: Words) -> [bool; 8] {
-        a.map(|a| a < 0)
-    }
-    #[cfg_attr(not(test), inline(always))]
-    fn first(self, count: usize) -> [bool; 8] {
-        std::array::from_fn(|k| k < count)
-    }
-    #[cfg_attr(not(test), inline(always))]
-    fn both(self, a: [bool; 8], b: [bool; 8]) -> [bool; 8] {
-        std::array::from_fn(|k| a[k] && b[k])
-    }
-    #[cfg_attr(not(test), inline(always))]
-    fn except(self, a: [bool; 8], b: [bool; 8]) -> [bool; 8] {
-        std::array::from_fn(|k| a[k] && !b[k])
-    }
-    #[cfg_attr(not(test), inline(always))]
-    fn keep(self, a: Words, truth: [bool; 8]) -> Words {
-        std::array::from_fn(|k| if truth[k] { a[k] } else { 0 })
-    }
-    #[cfg_attr(not(test), inline(always))]
-    fn clear(self, a: Words, truth: [bool; 8]) -> Words {
-        std::array::from_fn(|k| if truth[k] { 0 } else { a[k] })
-    }
-    #[cfg_attr(not(test), inline(always))]
-    fn min_short(self, a: Words, b: Words) -> Words {
-        std::array::from_fn(|k| a[k].min(b[k]))
-    }
-    #[cfg_attr(not(test), inline(always))]
-    fn multiples(self, a: Words) -> Words {
-        std::array::from_fn(|k| a[k].wrapping_mul(k as i64))
-    }
-    #[cfg_attr(not(test), inline(always))]
-    fn intervals(self, table: &Falls, index: Words) -> Words {
-        index.map(|index| table.at(index))
-    }
-}
-
-#[cfg(target_arch = "x86_64")]
-mod x86 {
-    //! SAFETY of all intrinsics on registers: `self` proves that the processor has the instruction. Loads and stores
-    //! are of whole arrays, look-ups of numbers that have been brought into the table.
-
-    use super::super::Wide;
-    use super::super::avx2::Avx2;
-    use super::super::avx512::Avx512;
-    use super::super::wide::x86::{four_words, halves};
-    use super::{Falls, PixelWords};
-    use std::arch::x86_64::*;
-
-    /// Words of which an unaligned part starts with so many true ones.
-    static FIRST: [i64; 8] = [-1, -1, -1, -1, 0, 0, 0, 0];
-
-    impl PixelWords for Avx2 {
-        #[inline(always)]
-        fn read(self, from: &[u64], at: usize) -> __m256i {
-            match from.get(at..).and_then(|rest| rest.first_chunk::<4>()) {
-                // SAFETY: an array of four words is read.
-                Some(words) => unsafe { _mm256_loadu_si256(words.as_ptr().cast()) },
-                None => self.wide_splat(0),
-            }
-        }
-        #[inline(always)]
-        fn write(self, to: &mut [u64], at: usize, value: __m256i) {
-            if let Some(words) = to
-                .get_mut(at..)
-                .and_then(|rest| rest.first_chunk_mut::<4>())
-            {
-                // SAFETY: an array of four words is written.
-                unsafe { _mm256_storeu_si256(words.as_mut_ptr().cast(), value) }
-            }
-        }
-        #[inline(always)]
-        fn marked(self, a: __m256i) -> __m256i {
-            op!(_mm256_cmpgt_epi64(_mm256_setzero_si256(), a))
-        }
-        #[inline(always)]
-        fn both(self, a: __m256i, b: __m256i) -> __m256i {
-            op!(_mm256_and_si256(a, b))
-        }
-        #[inline(always)]
-        fn except(self, a: __m256i, b: __m256i) -> __m256i {
-            op!(_mm256_andnot_si256(b, a))
-        }
-        #[inline(always)]
-        fn keep(self, a: __m256i, truth: __m256i) -> __m256i {
-            op!(_mm256_and_si256(a, truth))
-        }
-        #[inline(always)]
-        fn clear(self, a: __m256i, truth: __m256i) -> __m256i {
-            op!(_mm256_andnot_si256(truth, a))
-        }
-        #[inline(always)]
-        fn min_short(self, a: __m256i, b: __m256i) -> __m256i {
-            op!(_mm256_min_epu32(a, b))
-        }
-        #[inline(always)]
-        fn multiples(self, a: __m256i) -> __m256i {
-            op!({
-                let odd = _mm256_and_si256(a, _mm256_setr_epi64x(0, -1, 0, -1));
-                let upper = _mm256_and_si256(a, _mm256_setr_epi64x(0, 0, -1, -1));
-                _mm256_add_epi64(odd, _mm256_add_epi64(upper, upper))
-            })
-        }
-        #[inline(always)]
-        fn first(self, count: usize) -> __m256i {
-            let start = 4 - count.min(4);
-            match FIRST[start..].first_chunk::<4>() {
-                // SAFETY: an array of four words is read.
-                Some(words) => unsafe { _mm256_loadu_si256(words.as_ptr().cast()) },
-                None => self.wide_splat(0),
-            }
-        }
-        #[inline(always)]
-        fn intervals(self, table: &Falls, index: __m256i) -> __m256i {
-            let index = self.wide_and(index, self.wide_load(&table.last));
-            let words = table.intervals.as_ptr();
-            // SAFETY: the length is a power of two, so that every masked number lies in the table.
-            four_words(self, index, |place| unsafe { *words.add(place) })
-        }
-    }
-
-    impl PixelWords for Avx512 {
-        #[inline(always)]
-        fn read(self, from: &[u64], at: usize) -> __m512i {
-            match from.get(at..).and_then(|rest| rest.first_chunk::<8>()) {
-                // SAFETY: an array of eight words is read.
-                Some(words) => unsafe { _mm512_loadu_si512(words.as_ptr().cast()) },
-                None => self.wide_splat(0),
-            }
-        }
-        #[inline(always)]
-        fn write(self, to: &mut [u64], at: usize, value: __m512i) {
-            if let Some(words) = to
-                .get_mut(at..)
-                .and_then(|rest| rest.first_chunk_mut::<8>())
-            {
-                // SAFETY: an array of eight words is written.
-                unsafe { _mm512_storeu_si512(words.as_mut_ptr().cast(), value) }
-            }
-        }
-        #[inline(always)]
-        fn marked(self, a: __m512i) -> __mmask8 {
-            op!(_mm512_movepi64_mask(a))
-        }
-        #[inline(always)]
-        fn first(self, count: usize) -> __mmask8 {
-            (0xff_u32 >> (8 - count.min(8))) as __mmask8
-        }
-        #[inline(always)]
-        fn both(self, a: __mmask8, b: __mmask8) -> __mmask8 {
-            a & b
-        }
-        #[inline(always)]
-        fn except(self, a: __mmask8, b: __mmask8) -> __mmask8 {
-            a & !b
-        }
-        #[inline(always)]
-        fn keep(self, a: __m512i, truth: __mmask8) -> __m512i {
-            op!(_mm512_maskz_mov_epi64(truth, a))
-        }
-        #[inline(always)]
-        fn clear(self, a: __m512i, truth: __mmask8) -> __m512i {
-            self.keep(a, !truth)
-        }
-        #[inline(always)]
-        fn min_short(self, a: __m512i, b: __m512i) -> __m512i {
-            op!(_mm512_min_epu32(a, b))
-        }
-        #[inline(always)]
-        fn multiples(self, a: __m512i) -> __m512i {
-            op!(_mm512_mullo_epi64(
-                a,
-                _mm512_setr_epi64(0, 1, 2, 3, 4, 5, 6, 7)
-            ))
-        }
-        #[inline(always)]
-        fn intervals(self, table: &Falls, index: __m512i) -> __m512i {
-            let index = self.wide_and(index, self.wide_load(&table.last));
-            let words = table.intervals.as_ptr();
-            let [low, high] = halves(self, index);
-            // SAFETY: the length is a power of two, so that every masked number lies in the table.
-            let low = four_words(self.avx2(), low, |place| unsafe { *words.add(place) });
-            // SAFETY: as above.
-            let high = four_words(self.avx2(), high, |place| unsafe { *words.add(place) });
-            op!(_mm512_inserti64x4::<1>(_mm512_castsi256_si512(low), high))
-        }
-    }
+/// Does some work in a function of its own: see [`Lanes::ROWS_APART`].
+#[inline(never)]
+pub fn apart<R>(work: impl FnOnce() -> R) -> R {
+    work()
 }

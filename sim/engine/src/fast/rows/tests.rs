@@ -1,4 +1,4 @@
-//! Rows in double precision, of one footprint and of a group's, against rows in words, run for run.
+//! Rows in double precision against rows in words, run for run.
 
 use super::*;
 use crate::fast::lanes::{Portable, VectorLevel, VectorTask, dispatch_vectors};
@@ -8,8 +8,8 @@ use proptest::prelude::*;
 use splatline::format::{Lean18, Standard24};
 use splatline::rules::Rules;
 
-/// The runs of a footprint's rows in a tile, by all ways; `None` where one does not take them.
-struct AllWays<'a> {
+/// The runs of a footprint's rows in a tile, by both ways; `None` where one does not take them.
+struct BothWays<'a> {
     constants: &'a RowConstants<i64>,
     widths: &'a Widths,
     footprint: &'a Footprint,
@@ -18,16 +18,15 @@ struct AllWays<'a> {
 
 type AllRuns = Option<Vec<Option<[i64; 4]>>>;
 
-impl VectorTask for &AllWays<'_> {
-    type Output = [AllRuns; 3];
+impl VectorTask for &BothWays<'_> {
+    type Output = [AllRuns; 2];
 
     #[inline(always)]
-    fn run<L: Doubles>(self, lanes: L) -> [AllRuns; 3] {
-        let (constants, math) = (self.constants, Arithmetic { lanes });
+    fn run<L: Lanes>(self, lanes: L) -> [AllRuns; 2] {
+        let constants = self.constants;
         let mut batch = RowBatch::new();
-        batch.touched = (0, BLOCKS);
         let runs = |batch: &RowBatch, filled: bool| {
-            let places = (0..batch.rows()).flat_map(|row| (0..BLOCKS).map(move |x| (row, x)));
+            let places = (0..batch.rows()).flat_map(|row| batch.touched().map(move |x| (row, x)));
             let run = |(row, block)| {
                 let run: Pixels = batch.block(block).run(row, 0)?;
                 let [x, end] = [run.x, run.x + run.length].map(|x| x as i64);
@@ -35,25 +34,18 @@ impl VectorTask for &AllWays<'_> {
             };
             filled.then(|| places.map(run).collect())
         };
-        let filled = is_tame(constants) && batch.fill_in_reals(math, constants, 0);
-        let reals = runs(&batch, filled);
-        let filled = is_tame(constants) && batch.fill_in_words(math, constants, 0);
+        let filled = batch.fill_in_words(lanes, constants, 0);
         let words = runs(&batch, filled);
         let (mut group, k) = (RowGroup::default(), L::WIDE - 1);
         group.read(k, self.footprint, self.window);
-        let together = group.compute(math, self.widths, 0);
-        let filled = batch.fill_member(&together, &group, k, 0);
+        let together = group.compute(lanes, self.widths, 0);
+        let filled = batch.fill_in_reals(&together, &group, k, 0);
         if filled {
             let (rows, visible) = (group.member(k).rows, group.member(k).visible);
             assert_eq!((rows, visible), (constants.rows, constants.visible));
             assert_eq!(group.second(k), constants.second);
-            batch.touched = (0, BLOCKS);
-            let (reals, block) = (group.reals(k, &together), |block| {
-                Some(group.block(k, block))
-            });
-            batch.fill_blocks(&reals, rows, 2, block, group.columns(k, &reals));
         }
-        [reals, words, runs(&batch, filled)]
+        [runs(&batch, filled), words]
     }
 }
 
@@ -66,31 +58,26 @@ proptest! {
     ) {
         let rows = RuntimeRows::new(&widths, i64::BITS).expect("a design");
         let window = Window { first: corner, end: TILE };
-        let (mut taken, mut all) = ([0; 2], 0);
+        let (mut taken, mut all) = (0, 0);
         for footprint in ordinary(widths, &Rules::GAUSSIAN_3D, seed, multiplier).iter().flatten() {
             if Window::of(footprint).intersect(&window).is_empty() {
                 continue;
             }
             let constants = rows.constants(footprint, &window);
-            let ways = AllWays { constants: &constants, widths: &widths, footprint, window: &window };
+            let ways = BothWays { constants: &constants, widths: &widths, footprint, window: &window };
             let portable = Ok((&ways).run(Portable));
             let others = [VectorLevel::Avx2, VectorLevel::Best];
             for found in others.map(|level| dispatch_vectors(level, &ways)).into_iter().chain([portable]) {
-                let Ok([reals, words, grouped]) = found else { continue };
+                let Ok([reals, words]) = found else { continue };
                 all += 1;
-                taken[0] += i32::from(reals.is_some());
-                taken[1] += i32::from(grouped.is_some());
-                if grouped.is_some() {
-                    prop_assert_eq!(&grouped, &reals);
-                }
+                taken += i32::from(reals.is_some());
                 if reals.is_some() && words.is_some() {
                     prop_assert_eq!(reals, words);
                 }
             }
         }
-        prop_assert!(4 * taken[0] >= 3 * all, "{:?} of {}", taken, all);
         let is_named = [Lean18::WIDTHS, Standard24::WIDTHS].contains(&widths);
-        prop_assert!(4 * taken[1] >= 3 * all || !is_named, "{:?} of {}", taken, all);
+        prop_assert!(4 * taken >= 3 * all || !is_named, "{} of {}", taken, all);
     }
 
     #[test]
@@ -98,12 +85,12 @@ proptest! {
         mantissa in 1u64..1 << 31, odd in 0u32..2, power in -40i32..=30, rest: u32, less in 0u32..32,
     ) {
         let rest = rest >> less;
-        let math = Arithmetic { lanes: Portable };
+        let lanes = Portable;
         let constants = RowConstants {
             squared_width: (mantissa, odd, power),
             ..RowConstants::<i64>::default()
         };
-        let table = SquaredWidth::new(math, &constants).half_of(math, [rest.into(); 8])[0];
+        let table = SquaredWidth::new(lanes, &constants).half_of(lanes, [rest.into(); 8])[0];
         let [table, product] = [table as f64, (mantissa << odd) as f64 * f64::from(rest)];
         let root = product.sqrt() * f64::from(power).exp2();
         let [relative, absolute] = crate::fast::row_reals::ERROR;

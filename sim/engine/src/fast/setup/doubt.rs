@@ -8,7 +8,7 @@ use super::number::Word;
 use super::position::COORDINATE;
 use super::real::Real;
 use super::stages::{SplatLanes, Stages};
-use crate::fast::lanes::Doubles;
+use crate::fast::lanes::Lanes;
 use splatline::setup::Cull;
 
 /// Depths, in kernel units, that doubles take.
@@ -31,61 +31,61 @@ const COORDINATES: [i64; 2] = [-200, 200];
 /// Exponents of weights.
 const WEIGHTS: [i64; 2] = [-100, 100];
 
-impl<W: Doubles> Stages<'_, W> {
+impl<W: Lanes> Stages<'_, W> {
     /// Notes the reason where it holds and no other was noted before.
     #[inline(always)]
     pub fn cull(&self, culled: &mut Word<W>, reason: Cull, truth: W::Truth) {
         let now = self
-            .math
-            .select(*culled, self.math.splat(code(reason)), truth);
+            .lanes
+            .select(*culled, self.lanes.splat(code(reason)), truth);
         self.note(culled, now);
     }
 
     /// Notes these reasons where no other was noted before.
     #[inline(always)]
     fn note(&self, culled: &mut Word<W>, now: Word<W>) {
-        let noted = self.math.greater(*culled, self.math.splat(0));
-        *culled = self.math.select(now, *culled, noted);
+        let noted = self.lanes.greater(*culled, self.lanes.splat(0));
+        *culled = self.lanes.select(now, *culled, noted);
     }
 
     /// Leaves only the doubt of before where a reason has been noted since that needed nothing of what is in doubt now.
     #[inline(always)]
     pub fn trust(&self, culled: Word<W>, before: Word<W>) {
-        let (math, doubt) = (self.math, self.reals.doubt);
-        let settled = math.greater(culled, math.splat(0));
-        doubt.set(math.select(doubt.get(), before, settled));
+        let (lanes, doubt) = (self.lanes, self.reals.doubt);
+        let settled = lanes.greater(culled, lanes.splat(0));
+        doubt.set(lanes.select(doubt.get(), before, settled));
     }
 
     /// Notes the reason where it does not hold.
     #[inline(always)]
     pub fn cull_unless(&self, culled: &mut Word<W>, reason: Cull, truth: W::Truth) {
         let now = self
-            .math
-            .select(self.math.splat(code(reason)), *culled, truth);
+            .lanes
+            .select(self.lanes.splat(code(reason)), *culled, truth);
         self.note(culled, now);
     }
 
     /// Culls where one of some exponents has no place in the packet: where it is not from -512 to 511.
     #[inline(always)]
     pub fn unpackable<const N: usize>(&self, exponents: [Word<W>; N], culled: &mut Word<W>) {
-        let math = self.math;
-        let mut outside = math.splat(0);
+        let lanes = self.lanes;
+        let mut outside = lanes.splat(0);
         for exponent in exponents {
-            let beyond = math.shr(math.plus(exponent, 512), 10);
-            outside = math.lanes.wide_or(outside, beyond);
+            let beyond = lanes.shr_by(lanes.plus(exponent, 512), 10);
+            outside = lanes.or(outside, beyond);
         }
-        let outside = math.greater(outside, math.splat(0));
+        let outside = lanes.greater(outside, lanes.splat(0));
         self.cull(culled, Cull::Degenerate, outside);
     }
 
     /// All bits where an integer lies outside a range.
     #[inline(always)]
     fn outside(&self, word: Word<W>, [least, most]: [i64; 2]) -> Word<W> {
-        let math = self.math;
+        let lanes = self.lanes;
         // From the least word on in a circle, so that one comparison sees both ends.
-        let from_least = math.plus(word, i64::MIN.wrapping_sub(least));
-        let outside = math.greater(from_least, math.splat(i64::MIN + (most - least)));
-        math.select(math.splat(0), math.splat(-1), outside)
+        let from_least = lanes.plus(word, i64::MIN.wrapping_sub(least));
+        let outside = lanes.greater(from_least, lanes.splat(i64::MIN + (most - least)));
+        lanes.select(lanes.splat(0), lanes.splat(-1), outside)
     }
 
     /// Puts splats in doubt that vectors do not take: products of their numbers must stay within the range of doubles,
@@ -93,43 +93,41 @@ impl<W: Doubles> Stages<'_, W> {
     /// culls them: see [`Self::trust`].
     #[inline(always)]
     pub fn doubt_inputs(&self, splats: &SplatLanes<W>) {
-        let (math, reals) = (self.math, self.reals);
-        let zero = math.splat(0);
+        let (lanes, reals) = (self.lanes, self.reals);
+        let zero = lanes.splat(0);
         for coordinate in splats.centre {
-            let leading = math.shr(
-                math.magnitude(coordinate.mantissa),
+            let leading = lanes.shr_by(
+                lanes.magnitude(coordinate.mantissa),
                 i64::from(COORDINATE) - 1,
             );
-            let whole = math.lanes.wide_xor(leading, math.splat(1));
-            let doubt = math
-                .lanes
-                .wide_or(whole, self.outside(coordinate.exponent, COORDINATES));
-            let nothing = math.lanes.wide_equal(coordinate.mantissa, zero);
-            reals.doubt_where(math.select(doubt, zero, nothing));
+            let whole = lanes.xor(leading, lanes.splat(1));
+            let doubt = lanes.or(whole, self.outside(coordinate.exponent, COORDINATES));
+            let nothing = lanes.equal(coordinate.mantissa, zero);
+            reals.doubt_where(lanes.select(doubt, zero, nothing));
         }
         for (axis, exponent) in splats.axes.iter().zip(splats.exponents) {
             reals.doubt_where(self.outside(exponent, AXES));
             for part in axis {
-                let least = math.lanes.wide_equal(*part, math.splat(i32::MIN.into()));
-                reals.doubt_where(math.select(zero, math.splat(-1), least));
+                let least = lanes.equal(*part, lanes.splat(i32::MIN.into()));
+                reals.doubt_where(lanes.select(zero, lanes.splat(-1), least));
             }
         }
         let doubt = self.outside(splats.weight.exponent, WEIGHTS);
-        let nothing = math.lanes.wide_equal(splats.weight.mantissa, zero);
-        reals.doubt_where(math.select(doubt, zero, nothing));
+        let nothing = lanes.equal(splats.weight.mantissa, zero);
+        reals.doubt_where(lanes.select(doubt, zero, nothing));
     }
 
     /// Puts splats in doubt that lie so far out that products of what follows might leave the range of doubles.
     #[inline(always)]
     pub fn doubt_ranges(&self, z: Real<W>, on_plane: &[Real<W>; 2]) {
-        let (math, reals) = (self.math, self.reals);
+        let (lanes, reals) = (self.lanes, self.reals);
         reals.doubt_unless_greater(z.0, DEPTHS[0]);
         reals.doubt_unless_less(z.0, DEPTHS[1]);
         for ratio in on_plane {
             let magnitude = reals.magnitude(*ratio).0;
             reals.doubt_unless_less(magnitude, RATIOS[0]);
             let nothing = reals.is_zero(*ratio);
-            let magnitude = math.select(magnitude, reals.constant(1.0), nothing);
+            let magnitude = lanes.select(magnitude, reals.constant(1.0), nothing);
             reals.doubt_unless_greater(magnitude, RATIOS[1]);
         }
     }

@@ -18,8 +18,9 @@ mod surface;
 
 pub use surface::SurfaceOutcome;
 
-use super::lanes::{Doubles, VectorLevel, VectorTask, dispatch_vectors};
-use number::{Arithmetic, Number};
+use super::lanes::{Lanes, VectorLevel, VectorTask, dispatch_vectors};
+use number::{Number, Word};
+use real::Real;
 use real::Reals;
 use splatline::footprint::{Conic, Footprint, Ldl};
 use splatline::format::{Design, RuntimeWidths, Widths};
@@ -28,7 +29,7 @@ use splatline::rules::{Cutoff, Rules};
 use splatline::setup::{Cull, axis_bits, colour, setup};
 use splatline::splat::{Axis, VolumeSplat};
 use splatline::view::{Projection, View, round_entry};
-use stages::{Footprints, SplatLanes, Stages};
+use stages::{ProjectedWords, SplatLanes, Stages};
 use std::cell::Cell;
 
 /// What setup makes of a splat.
@@ -49,14 +50,12 @@ pub trait Batched: Sized {
     fn parts(&self) -> SplatFields;
 
     /// By vectors.
-    fn set_up_together<L: Doubles>(stages: &Stages<L>, words: &SplatLanes<L>) -> Self::Lists;
-
-    /// Is the `k`th of its vector in doubt, so that the kernel sets it up?
-    fn is_in_doubt(lists: &Self::Lists, k: usize) -> bool;
+    fn set_up_together<L: Lanes>(stages: &Stages<L>, words: &SplatLanes<L>) -> Self::Lists;
 
     /// Writes the outcome of this splat, the `k`th of its vector, in place: what is returned is made elsewhere and
-    /// copied.
-    fn write(&self, lists: &Self::Lists, k: usize, widths: &Widths, to: &mut Self::Outcome);
+    /// copied. `false` if it is in doubt, so that the kernel sets it up.
+    fn write(&self, lists: &Self::Lists, k: usize, widths: &Widths, to: &mut Self::Outcome)
+    -> bool;
 }
 
 /// Setup of `splats` into as many places of `outcomes`, by such vectors or the kernel.
@@ -129,16 +128,15 @@ impl<S: Batched> VectorTask for SetupBatch<'_, S> {
     type Output = ();
 
     #[inline(always)]
-    fn run<L: Doubles>(self, lanes: L) {
+    fn run<L: Lanes>(self, lanes: L) {
         let widths = self.design.widths();
-        let math = Arithmetic { lanes };
-        let doubt = Cell::new(math.splat(0));
+        let doubt = Cell::new(lanes.splat(0));
         let reals = Reals {
-            words: math,
+            lanes,
             doubt: &doubt,
         };
         let stages = Stages {
-            math,
+            lanes,
             reals,
             widths,
             rotation: self.view.rotation.map(|row| {
@@ -158,13 +156,11 @@ impl<S: Batched> VectorTask for SetupBatch<'_, S> {
                 }
                 continue;
             }
-            doubt.set(math.splat(0));
+            doubt.set(lanes.splat(0));
             let lists = S::set_up_together(&stages, &read(lanes, splats));
             for ((splat, outcome), k) in splats.iter().zip(outcomes).zip(0..8) {
-                if S::is_in_doubt(&lists, k) {
+                if !splat.write(&lists, k, &widths, outcome) {
                     *outcome = splat.set_up_alone(self.design, self.view, self.rules);
-                } else {
-                    splat.write(&lists, k, &widths, outcome);
                 }
             }
         }
@@ -189,35 +185,32 @@ impl Batched for VolumeSplat {
     }
 
     #[inline(always)]
-    fn set_up_together<L: Doubles>(stages: &Stages<L>, words: &SplatLanes<L>) -> Lists {
-        Lists::new(stages.math.lanes, &stages.setup(words))
+    fn set_up_together<L: Lanes>(stages: &Stages<L>, words: &SplatLanes<L>) -> Lists {
+        stages.setup(words)
     }
 
     #[inline(always)]
-    fn is_in_doubt(lists: &Lists, k: usize) -> bool {
-        lists.is_in_doubt(k)
-    }
-
-    #[inline(always)]
-    fn write(&self, lists: &Lists, k: usize, widths: &Widths, to: &mut Outcome) {
+    fn write(&self, lists: &Lists, k: usize, widths: &Widths, to: &mut Outcome) -> bool {
         match lists.reason(k) {
+            _ if lists.is_in_doubt(k) => return false,
             Ok(()) => *to = Ok(lists.footprint(k, colour(widths, self.colour))),
             Err(reason) => *to = Err(reason),
         }
+        true
     }
 }
 
 /// Splats, as many as a vector has words, to words.
 #[inline(always)]
-fn read<L: Doubles, S: Batched>(lanes: L, splats: &[S]) -> SplatLanes<L> {
+fn read<L: Lanes, S: Batched>(lanes: L, splats: &[S]) -> SplatLanes<L> {
     let [ax, ay, az, a] = read_axis(lanes, splats, 0);
     let [bx, by, bz, b] = read_axis(lanes, splats, 1);
     let [cx, cy, cz, c] = read_axis(lanes, splats, 2);
-    let [x, x_power, y, y_power] = lanes.wide_columns(|k| {
+    let [x, x_power, y, y_power] = lanes.columns(|k| {
         let [x, y, _] = splats[k].parts().centre;
         [x.mantissa, x.exponent, y.mantissa, y.exponent]
     });
-    let [z, z_power, weight, weight_power] = lanes.wide_columns(|k| {
+    let [z, z_power, weight, weight_power] = lanes.columns(|k| {
         let SplatFields { centre, weight, .. } = splats[k].parts();
         let z = centre[2];
         [z.mantissa, z.exponent, weight.mantissa, weight.exponent]
@@ -233,31 +226,15 @@ fn read<L: Doubles, S: Batched>(lanes: L, splats: &[S]) -> SplatLanes<L> {
 
 /// Mantissas and exponents of one of the axes.
 #[inline(always)]
-fn read_axis<L: Doubles, S: Batched>(lanes: L, splats: &[S], which: usize) -> [L::Word; 4] {
-    lanes.wide_columns(|k| {
+fn read_axis<L: Lanes, S: Batched>(lanes: L, splats: &[S], which: usize) -> [L::Word; 4] {
+    lanes.columns(|k| {
         let Axis { mantissa, exponent } = splats[k].parts().axes[which];
         let [x, y, z] = mantissa;
         [x, y, z, exponent]
     })
 }
 
-/// A word's splats.
-#[inline(always)]
-fn list<L: Doubles>(lanes: L, word: L::Word) -> [i64; 8] {
-    let mut list = [0; 8];
-    lanes.wide_store(&mut list, word);
-    list
-}
-
-/// The splats' rows of four words' lower halves.
-#[inline(always)]
-fn rows<L: Doubles>(lanes: L, words: [L::Word; 4]) -> [[i32; 4]; 8] {
-    let mut rows = [[0; 4]; 8];
-    lanes.wide_rows(&mut rows, words);
-    rows
-}
-
-/// Words to footprints.
+/// A vector's footprints, without their colours, as lists.
 pub struct Lists {
     depth: [i64; 8],
     centre: [[i64; 8]; 2],
@@ -271,39 +248,40 @@ pub struct Lists {
     rest: [[i32; 4]; 8],
 }
 
-impl Lists {
+impl<W: Lanes> Stages<'_, W> {
+    /// Lists of what setup computed: bounds (left, top, right, bottom), the factors of the LDL form in the order of
+    /// [`Ldl`], mantissas and exponent of the conic; cut-off, peak and reason of a cull. Nothing must come in doubt
+    /// later.
     #[inline(always)]
-    fn new<L: Doubles>(lanes: L, footprints: &Footprints<L>) -> Self {
-        let Footprints {
-            centre: [u, v],
-            first: [left, top],
-            last: [right, bottom],
-            ldl: [horizontal, squared_width, shear, vertical],
-            conic: [a, b, c],
-            ..
-        } = *footprints;
-        let certain = lanes.wide_equal(footprints.doubt, lanes.wide_splat(0));
-        let doubt = lanes.wide_select(lanes.wide_splat(1), lanes.wide_splat(0), certain);
-        let pair = |a: Number<L>, b: Number<L>| [a.mantissa, a.exponent, b.mantissa, b.exponent];
-        let Footprints {
-            cutoff,
-            peak,
-            culled,
-            ..
-        } = *footprints;
+    fn lists(
+        &self,
+        projected: &ProjectedWords<W>,
+        bounds: [Word<W>; 4],
+        ldl: [Real<W>; 4],
+        conic: [Word<W>; 4],
+        [cutoff, peak, culled]: [Word<W>; 3],
+    ) -> Lists {
+        let lanes = self.lanes;
+        let certain = lanes.equal(self.reals.doubt.get(), lanes.splat(0));
+        let doubt = lanes.select(lanes.splat(1), lanes.splat(0), certain);
+        let pair = |a: Number<W>, b: Number<W>| [a.mantissa, a.exponent, b.mantissa, b.exponent];
+        let [horizontal, squared_width, shear, vertical] = self.packed(ldl);
+        let [u, v] = projected.centre;
         Lists {
-            depth: list(lanes, footprints.depth),
-            centre: [list(lanes, u), list(lanes, v)],
-            box_of_pixels: rows(lanes, [left, top, right, bottom]),
+            depth: lanes.list(projected.key),
+            centre: [lanes.list(u), lanes.list(v)],
+            box_of_pixels: lanes.rows(bounds),
             ldl: [
-                rows(lanes, pair(horizontal, squared_width)),
-                rows(lanes, pair(shear, vertical)),
+                lanes.rows(pair(horizontal, squared_width)),
+                lanes.rows(pair(shear, vertical)),
             ],
-            conic: rows(lanes, [a, b, c, footprints.conic_exponent]),
-            rest: rows(lanes, [cutoff, peak, culled, doubt]),
+            conic: lanes.rows(conic),
+            rest: lanes.rows([cutoff, peak, culled, doubt]),
         }
     }
+}
 
+impl Lists {
     /// Is splat `k` in doubt?
     #[inline(always)]
     fn is_in_doubt(&self, k: usize) -> bool {

@@ -3,13 +3,13 @@
 //! A right shift that rounds, `(v + 2^(s-1)) >> s`, is `((v >> (s-1)) + 1) >> 1` and cannot overflow, and a word of 0
 //! needs no case of its own: it stays 0 under every shift.
 
-use crate::fast::lanes::Wide;
+use crate::fast::lanes::Lanes;
 use splatline::format::Rounding;
 use splatline::math::{LN_2, LOGARITHMS, REST, ROOTS, fraction};
 
 /// `mantissa * 2^exponent` per word.
 #[derive(Clone, Copy)]
-pub struct Number<W: Wide> {
+pub struct Number<W: Lanes> {
     /// Its integers.
     pub mantissa: W::Word,
     /// Powers of two.
@@ -20,7 +20,7 @@ pub struct Number<W: Wide> {
 /// the sign by an amount of each word's own is a dozen without AVX-512. What it leaves is too large by
 /// [`Arithmetic::turn_of`], for the sign's sake: that goes into a constant which is added anyway.
 #[derive(Clone, Copy)]
-pub struct RoundingShift<W: Wide> {
+pub struct RoundingShift<W: Lanes> {
     /// Half of a unit and the turn.
     pub raise: W::Word,
     /// Bits that are dropped.
@@ -67,121 +67,24 @@ pub fn power(exponent: impl Into<i64>) -> f64 {
     f64::from_bits(((1023 + exponent.into()) as u64) << 52)
 }
 
-/// Arithmetic on [`Number`]s. The design's widths come as arguments, constants for named designs.
-#[derive(Clone, Copy)]
-pub struct Arithmetic<W: Wide> {
-    /// The instructions.
-    pub lanes: W,
-}
-
-type Truth<W> = <W as Wide>::Truth;
 /// A vector of words.
-pub type Word<W> = <W as Wide>::Word;
+pub type Word<W> = <W as Lanes>::Word;
 
-impl<W: Wide> Arithmetic<W> {
-    /// The same word everywhere.
-    #[inline(always)]
-    pub fn splat(self, value: i64) -> Word<W> {
-        self.lanes.wide_splat(value)
-    }
-
-    /// a + b, wrapping.
-    #[inline(always)]
-    pub fn add(self, a: Word<W>, b: Word<W>) -> Word<W> {
-        self.lanes.wide_add(a, b)
-    }
-
-    /// a - b, wrapping.
-    #[inline(always)]
-    pub fn sub(self, a: Word<W>, b: Word<W>) -> Word<W> {
-        self.lanes.wide_sub(a, b)
-    }
-
-    /// a + b, wrapping, of a constant.
-    #[inline(always)]
-    pub fn plus(self, a: Word<W>, b: i64) -> Word<W> {
-        self.lanes.wide_add(a, self.splat(b))
-    }
-
-    /// -a, wrapping.
-    #[inline(always)]
-    pub fn negate(self, a: Word<W>) -> Word<W> {
-        self.sub(self.splat(0), a)
-    }
-
-    /// b where it is true, else a.
-    #[inline(always)]
-    pub fn select(self, a: Word<W>, b: Word<W>, truth: Truth<W>) -> Word<W> {
-        self.lanes.wide_select(a, b, truth)
-    }
-
-    /// a > b with the sign.
-    #[inline(always)]
-    pub fn greater(self, a: Word<W>, b: Word<W>) -> Truth<W> {
-        self.lanes.wide_greater(a, b)
-    }
-
-    /// The lesser, with the sign.
-    #[inline(always)]
-    pub fn min(self, a: Word<W>, b: Word<W>) -> Word<W> {
-        self.select(a, b, self.greater(a, b))
-    }
-
-    /// The greater, with the sign.
-    #[inline(always)]
-    pub fn max(self, a: Word<W>, b: Word<W>) -> Word<W> {
-        self.select(a, b, self.greater(b, a))
-    }
-
-    /// |a|; the least word stays what it is.
-    #[inline(always)]
-    pub fn magnitude(self, a: Word<W>) -> Word<W> {
-        self.max(a, self.negate(a))
-    }
-
-    /// a >> by with the sign.
-    #[inline(always)]
-    pub fn sar(self, a: Word<W>, by: u32) -> Word<W> {
-        self.lanes.wide_sar_by(a, by)
-    }
-
-    /// a << by.
-    #[inline(always)]
-    pub fn shl(self, a: Word<W>, by: i64) -> Word<W> {
-        self.lanes.wide_shl(a, self.splat(by))
-    }
-
-    /// a >> by without the sign.
-    #[inline(always)]
-    pub fn shr(self, a: Word<W>, by: i64) -> Word<W> {
-        self.lanes.wide_shr(a, self.splat(by))
-    }
-
-    /// The bits of `mask`.
-    #[inline(always)]
-    pub fn and(self, a: Word<W>, mask: i64) -> Word<W> {
-        self.lanes.wide_and(a, self.splat(mask))
-    }
-
-    /// a b, wrapping.
-    #[inline(always)]
-    pub fn mul(self, a: Word<W>, b: Word<W>) -> Word<W> {
-        self.lanes.wide_mul(a, b)
-    }
-
+/// The kernel's arithmetic on vectors. The design's widths come as arguments, constants for named designs.
+pub trait Arithmetic: Lanes {
     /// `shift_round` by a constant.
     #[inline(always)]
-    pub fn round(self, value: Word<W>, shift: u32) -> Word<W> {
+    fn round(self, value: Self::Word, shift: u32) -> Self::Word {
         if shift == 0 {
             return value;
         }
-        self.sar(self.plus(value, 1 << (shift - 1)), shift)
+        self.sar_by(self.plus(value, 1 << (shift - 1)), shift)
     }
 
     /// A shift to the right by so much.
     #[inline(always)]
-    pub fn drop(self, by: Word<W>) -> RoundingShift<W> {
-        let half = self.shr(self.lanes.wide_shl(self.splat(1), by), 1);
+    fn rounding_shift(self, by: Self::Word) -> RoundingShift<Self> {
+        let half = self.shr_by(self.shl(self.splat(1), by), 1);
         RoundingShift {
             raise: self.plus(half, TURN),
             by,
@@ -190,41 +93,41 @@ impl<W: Wide> Arithmetic<W> {
 
     /// What [`Arithmetic::dropped`] by so much leaves too large.
     #[inline(always)]
-    pub fn turn_of(self, drop: RoundingShift<W>) -> Word<W> {
-        self.lanes.wide_shr(self.splat(TURN), drop.by)
+    fn turn_of(self, drop: RoundingShift<Self>) -> Self::Word {
+        self.shr(self.splat(TURN), drop.by)
     }
 
     /// `shift_round`, and [`turn_of`](Arithmetic::turn_of) the shift more. The turn does not reach the lower 32 bits if
     /// the shift is at most 31.
     #[inline(always)]
-    pub fn dropped(self, value: Word<W>, drop: RoundingShift<W>) -> Word<W> {
-        self.lanes.wide_shr(self.add(value, drop.raise), drop.by)
+    fn dropped(self, value: Self::Word, drop: RoundingShift<Self>) -> Self::Word {
+        self.shr(self.add(value, drop.raise), drop.by)
     }
 
     /// (value + more) >> by with the sign, `by` not 0, of words that are far from the end of theirs.
     #[inline(always)]
-    pub fn floor(self, value: Word<W>, more: i64, by: u32) -> Word<W> {
+    fn floor(self, value: Self::Word, more: i64, by: u32) -> Self::Word {
         let raised = self.plus(value, TURN.wrapping_add(more));
-        self.plus(self.shr(raised, by.into()), TURN >> by)
+        self.plus(self.shr_by(raised, by.into()), TURN >> by)
     }
 
     /// `shift_signed` where no left shift leaves the word: `value 2^-shift`, rounded. The shift of the other direction
     /// gives 0.
     #[inline(always)]
-    pub fn align(self, value: Word<W>, shift: Word<W>) -> Word<W> {
-        let above = self.lanes.wide_sar(value, self.plus(shift, -1));
-        let right = self.sar(self.plus(above, 1), 1);
-        let left = self.lanes.wide_shl(value, self.negate(shift));
+    fn align(self, value: Self::Word, shift: Self::Word) -> Self::Word {
+        let above = self.sar(value, self.plus(shift, -1));
+        let right = self.sar_by(self.plus(above, 1), 1);
+        let left = self.shl(value, self.negate(shift));
         self.add(left, right)
     }
 
     /// `to_fixed`: fixed point with `fraction` bits, saturated.
     #[inline(always)]
-    pub fn to_fixed(self, a: Number<W>, fraction: u32) -> Word<W> {
+    fn to_fixed(self, a: Number<Self>, fraction: u32) -> Self::Word {
         let zero = self.splat(0);
         let left = self.plus(a.exponent, fraction.into());
         let fixed = self.align(a.mantissa, self.negate(left));
-        let room = self.lanes.wide_leading_zeros(self.magnitude(a.mantissa));
+        let room = self.leading_zeros(self.magnitude(a.mantissa));
         let end = self.select(
             self.splat(i64::MAX),
             self.splat(i64::MIN),
@@ -232,37 +135,37 @@ impl<W: Wide> Arithmetic<W> {
         );
         let fits = self.greater(room, left);
         let saturated = self.select(end, fixed, fits);
-        let nothing = self.lanes.wide_equal(a.mantissa, zero);
+        let nothing = self.equal(a.mantissa, zero);
         self.select(saturated, zero, nothing)
     }
 
     /// `root_seed` of positive numbers without a sign.
     #[inline(always)]
-    pub fn root_seed(self, value: Word<W>) -> (Word<W>, Word<W>) {
-        let even = self.and(self.lanes.wide_leading_zeros(value), !1);
-        let normal = self.lanes.wide_shl(value, even);
-        let index = self.plus(self.shr(normal, 56), -64);
-        let [low, high] = self.lanes.wide_gather(&ROOTS, index);
-        let rest = self.and(self.shr(normal, 40), 0xffff);
+    fn root_seed(self, value: Self::Word) -> (Self::Word, Self::Word) {
+        let even = self.masked(self.leading_zeros(value), !1);
+        let normal = self.shl(value, even);
+        let index = self.plus(self.shr_by(normal, 56), -64);
+        let [low, high] = self.gather(&ROOTS, index);
+        let rest = self.masked(self.shr_by(normal, 40), 0xffff);
         let step = self.round(self.mul(self.sub(high, low), rest), 16);
         (
             self.add(low, step),
-            self.sub(self.splat(8), self.sar(even, 1)),
+            self.sub(self.splat(8), self.sar_by(even, 1)),
         )
     }
 
     /// 1/n - d times the rest of the series.
     #[inline(always)]
-    fn bent(self, d: Word<W>, series: Word<W>, n: i64) -> Word<W> {
+    fn bent(self, d: Self::Word, series: Self::Word, n: i64) -> Self::Word {
         let lost = self.round(self.mul(d, series), REST);
         self.sub(self.splat(fraction(n).into()), lost)
     }
 
     /// `ln` of x 2^leading with x in UQ1.30.
     #[inline(always)]
-    pub fn ln(self, x: Word<W>, leading: Word<W>) -> Word<W> {
-        let index = self.shl(self.and(self.shr(x, 25), 31), 1);
-        let [inverse, offset] = self.lanes.wide_gather(&LOGARITHMS, index);
+    fn ln(self, x: Self::Word, leading: Self::Word) -> Self::Word {
+        let index = self.shl_by(self.masked(self.shr_by(x, 25), 31), 1);
+        let [inverse, offset] = self.gather(&LOGARITHMS, index);
         let rest = self.plus(self.mul(x, inverse), -(1 << 46));
         let rest = self.round(rest, 46 - REST);
         let inner = self.bent(rest, self.splat(fraction(5).into()), 4);
@@ -270,11 +173,13 @@ impl<W: Wide> Arithmetic<W> {
         let inner = self.bent(rest, inner, 2);
         let curve = self.round(self.mul(rest, inner), 30);
         let curve = self.round(self.mul(rest, curve), 2 * REST - 40);
-        let below = self.sub(self.shl(rest, i64::from(40 - REST)), curve);
+        let below = self.sub(self.shl_by(rest, i64::from(40 - REST)), curve);
         let end = self.splat(1 << 20);
         let leading = self.max(self.min(leading, end), self.negate(end));
-        let octaves = self.lanes.wide_mul_whole(leading, self.splat(LN_2));
-        let sum = self.add(self.add(octaves, self.shl(offset, 8)), below);
+        let octaves = self.mul_whole(leading, self.splat(LN_2));
+        let sum = self.add(self.add(octaves, self.shl_by(offset, 8)), below);
         self.round(sum, 8)
     }
 }
+
+impl<L: Lanes> Arithmetic for L {}

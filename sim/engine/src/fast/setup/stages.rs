@@ -3,10 +3,11 @@
 //! Where the kernel returns early with a reason, a vector goes on and keeps the first reason per word; what is computed
 //! for a culled splat is defined but of no use.
 
+use super::Lists;
 use super::number::{Arithmetic, Number, Word, power};
 use super::position::CameraPoints;
 use super::real::{Real, Reals, Term};
-use crate::fast::lanes::{Doubles, Wide};
+use crate::fast::lanes::Lanes;
 use splatline::format::Widths;
 use splatline::math::{GUARD, SoftFloat, ln};
 use splatline::rules::{Cutoff, Rules, THRESHOLD};
@@ -15,7 +16,7 @@ use splatline::view::View;
 
 /// Splats, one per word.
 #[derive(Clone, Copy)]
-pub struct SplatLanes<W: Wide> {
+pub struct SplatLanes<W: Lanes> {
     pub centre: [Number<W>; 3],
     /// Mantissas of the axes.
     pub axes: [[Word<W>; 3]; 3],
@@ -24,29 +25,10 @@ pub struct SplatLanes<W: Wide> {
     pub weight: Number<W>,
 }
 
-/// Footprints, one per word, without their colours.
-#[derive(Clone, Copy)]
-pub struct Footprints<W: Wide> {
-    /// 0, or one more than the place of the reason in [`Cull::ALL`].
-    pub culled: Word<W>,
-    /// Not 0 where the kernel has to decide.
-    pub doubt: Word<W>,
-    pub depth: Word<W>,
-    pub centre: [Word<W>; 2],
-    pub first: [Word<W>; 2],
-    pub last: [Word<W>; 2],
-    /// The factors of the LDL form, in the order of `Ldl`.
-    pub ldl: [Number<W>; 4],
-    pub conic: [Word<W>; 3],
-    pub conic_exponent: Word<W>,
-    pub cutoff: Word<W>,
-    pub peak: Word<W>,
-}
-
 /// Setup under one view, rules and widths.
 #[derive(Clone, Copy)]
-pub struct Stages<'a, W: Wide> {
-    pub math: Arithmetic<W>,
+pub struct Stages<'a, W: Lanes> {
+    pub lanes: W,
     pub reals: Reals<'a, W>,
     pub widths: Widths,
     /// W, whole numbers of 30 bits, rounded as the kernel rounds them.
@@ -57,7 +39,7 @@ pub struct Stages<'a, W: Wide> {
 
 /// A projected centre with what the Jacobian needs of it.
 #[derive(Clone, Copy)]
-pub struct ProjectedWords<W: Wide> {
+pub struct ProjectedWords<W: Lanes> {
     /// Camera-space depth, not rounded, and its sort key.
     pub depth: Number<W>,
     pub key: Word<W>,
@@ -67,18 +49,18 @@ pub struct ProjectedWords<W: Wide> {
 }
 
 #[derive(Clone, Copy)]
-pub struct Variance<W: Wide> {
+pub struct Variance<W: Lanes> {
     pub xx: Real<W>,
     pub xy: Real<W>,
     pub yy: Real<W>,
     pub determinant: Real<W>,
 }
 
-impl<W: Doubles> Stages<'_, W> {
+impl<W: Lanes> Stages<'_, W> {
     /// `splatline::setup::setup`.
     #[inline(always)]
-    pub fn setup(&self, splats: &SplatLanes<W>) -> Footprints<W> {
-        let mut culled = self.math.splat(0);
+    pub fn setup(&self, splats: &SplatLanes<W>) -> Lists {
+        let mut culled = self.lanes.splat(0);
         self.doubt_inputs(splats);
         let projected = self.project(splats, &mut culled);
         let mut columns = [
@@ -90,35 +72,27 @@ impl<W: Doubles> Stages<'_, W> {
         if self.rules.spacing.mantissa > 0 {
             weight = self.enlarge(&mut columns, weight, &projected);
         }
-        let variance = self.variance(&columns);
+        let [a, b, c] = &columns;
+        let minors = [
+            self.minor_squared(a, b),
+            self.minor_squared(a, c),
+            self.minor_squared(b, c),
+        ];
+        let variance = self.variance(&columns, &minors);
         let inverse = self.reals.reciprocal(variance.determinant, self.bits());
         let ldl = self.ldl(&variance, inverse, &mut culled);
-        let (conic, conic_exponent) = self.conic(&variance, ldl[0], inverse, &mut culled);
+        let conic = self.conic(&variance, ldl[0], inverse, &mut culled);
         if self.rules.compensated {
-            weight = self.compensate(weight, &columns, inverse);
+            weight = self.compensate(weight, minors, inverse);
         }
         let peak = self.peak(weight, &projected, inverse);
         let cutoff = self.cutoff(peak, &mut culled);
-        let mut first = [self.math.splat(0); 2];
-        let mut last = first;
-        for (axis, variance) in [variance.xx, variance.yy].into_iter().enumerate() {
-            (first[axis], last[axis]) =
-                self.bounds(axis, projected.centre[axis], variance, cutoff, &mut culled);
-        }
+        let [u, v] = projected.centre;
+        let (left, right) = self.bounds(0, u, variance.xx, cutoff, &mut culled);
+        let (top, bottom) = self.bounds(1, v, variance.yy, cutoff, &mut culled);
         let peak = self.peak_fixed(peak, &mut culled);
-        Footprints {
-            culled,
-            doubt: self.reals.doubt.get(),
-            depth: projected.key,
-            centre: projected.centre,
-            first,
-            last,
-            ldl: self.packed(ldl),
-            conic,
-            conic_exponent,
-            cutoff,
-            peak,
-        }
+        let bounds = [left, top, right, bottom];
+        self.lists(&projected, bounds, ldl, conic, [cutoff, peak, culled])
     }
 
     #[inline(always)]
@@ -128,14 +102,13 @@ impl<W: Doubles> Stages<'_, W> {
 
     #[inline(always)]
     pub fn project(&self, splats: &SplatLanes<W>, culled: &mut Word<W>) -> ProjectedWords<W> {
-        let (math, reals, bits) = (self.math, self.reals, u32::from(self.widths.view));
+        let (lanes, reals, bits) = (self.lanes, self.reals, u32::from(self.widths.view));
         let inputs = reals.doubt.get();
-        let CameraPoints { value, exponent } =
-            math.to_camera(self.view, &self.widths, &splats.centre);
-        let (behind_near, before_far) = math.depth_range(value[2], exponent, self.view);
+        let CameraPoints { value, exponent } = self.camera_points(&splats.centre);
+        let (behind_near, before_far) = self.depth_range(value[2], exponent);
         self.cull_unless(culled, Cull::Near, behind_near);
         self.cull_unless(culled, Cull::Far, before_far);
-        let key = math.depth_key(value[2], exponent);
+        let key = self.depth_key(value[2], exponent);
         let unit = reals.power(exponent);
         let x = reals.wide(value[0], unit, bits);
         let y = reals.wide(value[1], unit, bits);
@@ -147,15 +120,15 @@ impl<W: Doubles> Stages<'_, W> {
         ];
         let [across, down] = self.view.focal;
         let focal = [reals.number(across), reals.number(down)];
-        let mut centre = [math.splat(0); 2];
+        let mut centre = [lanes.splat(0); 2];
         self.doubt_ranges(z, &on_plane);
         for axis in 0..2 {
             // Never out of the kernel's range: what does not fit 51 bits is in doubt, and the principal point has
             // fewer.
             let offset = reals.times_to_fixed(focal[axis], on_plane[axis], power(32));
-            let principal = math.splat(self.view.principal[axis].to_bits());
-            let position = math.add(principal, offset);
-            centre[axis] = math.round(position, 32 - u32::from(self.widths.subpixel));
+            let principal = lanes.splat(self.view.principal[axis].to_bits());
+            let position = lanes.add(principal, offset);
+            centre[axis] = lanes.round(position, 32 - u32::from(self.widths.subpixel));
         }
         // Whatever was computed of splats before or behind the view, that they are there is not in doubt.
         self.trust(*culled, inputs);
@@ -179,17 +152,17 @@ impl<W: Doubles> Stages<'_, W> {
     /// x/z or y/z as the Jacobian takes it.
     #[inline(always)]
     fn ratio(&self, axis: usize, on_plane: Real<W>) -> Real<W> {
-        let (math, reals) = (self.math, self.reals);
+        let (lanes, reals) = (self.lanes, self.reals);
         if !self.rules.clamp_jacobian {
             return reals.narrow(on_plane, self.bits());
         }
         let fixed = reals.to_short_word(reals.to_fixed(on_plane, power(32)));
-        let low = math.splat(self.view.limits.low[axis].to_bits());
-        let high = math.splat(self.view.limits.high[axis].to_bits());
-        let clamped = math.max(math.min(fixed, high), low);
-        let inside = math.lanes.wide_equal(clamped, fixed);
+        let low = lanes.splat(self.view.limits.low[axis].to_bits());
+        let high = lanes.splat(self.view.limits.high[axis].to_bits());
+        let clamped = lanes.max(lanes.min(fixed, high), low);
+        let inside = lanes.equal(clamped, fixed);
         let clamped = reals.scaled(reals.short(clamped), 1.0 / power(32));
-        let number = math.select(clamped.0, on_plane.0, inside);
+        let number = lanes.select(clamped.0, on_plane.0, inside);
         reals.narrow(Real(number), self.bits())
     }
 
@@ -212,13 +185,13 @@ impl<W: Doubles> Stages<'_, W> {
     /// `rotate_axis`.
     #[inline(always)]
     pub fn turned(&self, splats: &SplatLanes<W>, k: usize) -> [Real<W>; 3] {
-        let (math, reals) = (self.math, self.reals);
+        let (lanes, reals) = (self.lanes, self.reals);
         let window = self.bits() + GUARD;
-        let unit = math.plus(splats.exponents[k], 31 - i64::from(window));
+        let unit = lanes.plus(splats.exponents[k], 31 - i64::from(window));
         let unit = reals.power(unit);
         let mut axis = splats.axes[k];
         for part in &mut axis {
-            let kept = math.and(*part, -1 << (31 - axis_bits(&self.widths)));
+            let kept = lanes.masked(*part, -1 << (31 - axis_bits(&self.widths)));
             *part = reals.short(kept).0;
         }
         [
@@ -240,7 +213,7 @@ impl<W: Doubles> Stages<'_, W> {
             reals.product(Real(*y), Real(wy), length),
             reals.product(Real(*z), Real(wz), length),
         ];
-        let sum = reals.cuts(terms, reals.constant(power(61 - bits - GUARD)));
+        let sum = reals.cuts(&terms, reals.constant(power(61 - bits - GUARD)));
         reals.times(reals.narrow(Real(sum), bits), unit)
     }
 
@@ -273,16 +246,16 @@ impl<W: Doubles> Stages<'_, W> {
         weight: Real<W>,
         projected: &ProjectedWords<W>,
     ) -> Real<W> {
-        let (math, reals, bits) = (self.math, self.reals, self.bits());
+        let (lanes, reals, bits) = (self.lanes, self.reals, self.bits());
         let [across, down] = projected.gain;
-        let gain = Real(math.lanes.double_min(across.0, down.0));
+        let gain = Real(lanes.double_min(across.0, down.0));
         let distance = reals.multiply(reals.number(self.rules.spacing), gain, bits);
         let one = reals.constant(1.0);
-        let far = math.lanes.double_greater(one, distance.0);
+        let far = lanes.double_greater(one, distance.0);
         self.doubt_unless_near(distance);
         // A column times 1 is the column, which has been rounded to as many bits.
         let factor = reals.reciprocal(distance, bits);
-        let factor = Real(math.select(one, factor.0, far));
+        let factor = Real(lanes.select(one, factor.0, far));
         for part in columns.iter_mut().flatten() {
             *part = reals.multiply(*part, factor, bits);
         }
@@ -291,42 +264,29 @@ impl<W: Doubles> Stages<'_, W> {
         }
         let inverse = reals.reciprocal(factor, bits);
         let dimmed = reals.multiply(reals.multiply(weight, inverse, bits), inverse, bits);
-        Real(math.select(weight.0, dimmed.0, far))
+        Real(lanes.select(weight.0, dimmed.0, far))
     }
 
+    /// The variance of two or three columns, whose minors have these squares.
     #[inline(always)]
-    fn variance(&self, columns: &[[Real<W>; 2]; 3]) -> Variance<W> {
+    pub fn variance(&self, columns: &[[Real<W>; 2]], minors: &[Term<W>]) -> Variance<W> {
         let (reals, bits) = (self.reals, self.bits());
         let h = reals.number(self.rules.low_pass);
-        let [a, b, c] = columns;
-        let square = [
-            self.product(a[0], a[0]),
-            self.product(b[0], b[0]),
-            self.product(c[0], c[0]),
-            reals.term(h),
-        ];
-        let xx = reals.sum(square, bits);
-        let square = [
-            self.product(a[1], a[1]),
-            self.product(b[1], b[1]),
-            self.product(c[1], c[1]),
-        ];
-        let yy_sharp = reals.sum(square, bits);
-        let mixed = [
-            self.product(a[0], a[1]),
-            self.product(b[0], b[1]),
-            self.product(c[0], c[1]),
-        ];
-        let xy = reals.sum(mixed, bits);
+        let [mut square_x, mut square_y, mut mixed] = [[reals.term(h); 4]; 3];
+        for (k, [x, y]) in columns.iter().enumerate() {
+            square_x[k] = self.product(*x, *x);
+            square_y[k] = self.product(*y, *y);
+            mixed[k] = self.product(*x, *y);
+        }
+        let count = columns.len();
+        let xx = reals.sum(&square_x[..=count], bits);
+        let yy_sharp = reals.sum(&square_y[..count], bits);
+        let xy = reals.sum(&mixed[..count], bits);
         let yy = reals.sum([reals.term(yy_sharp), reals.term(h)], bits);
         let trace = reals.sum([reals.term(xx), reals.term(yy_sharp)], bits);
-        let terms = [
-            self.minor_squared(a, b),
-            self.minor_squared(a, c),
-            self.minor_squared(b, c),
-            reals.product(h, trace, 31 + bits),
-        ];
-        let determinant = reals.sum(terms, bits);
+        let mut terms = [reals.product(h, trace, 31 + bits); 4];
+        terms[..minors.len()].copy_from_slice(minors);
+        let determinant = reals.sum(&terms[..=minors.len()], bits);
         self.doubt_unless_large([xx, yy, determinant]);
         Variance {
             xx,
@@ -379,13 +339,13 @@ impl<W: Doubles> Stages<'_, W> {
         &self,
         [horizontal, squared_width, shear, vertical]: [Real<W>; 4],
     ) -> [Number<W>; 4] {
-        let (math, reals, bits) = (self.math, self.reals, self.bits());
-        let zero = math.splat(0);
+        let (lanes, reals, bits) = (self.lanes, self.reals, self.bits());
+        let zero = lanes.splat(0);
         let shear = reals.parts(shear, bits);
-        let tiny = math.greater(math.splat(-512), shear.exponent);
+        let tiny = lanes.greater(lanes.splat(-512), shear.exponent);
         let shear = Number {
-            mantissa: math.select(shear.mantissa, zero, tiny),
-            exponent: math.select(shear.exponent, zero, tiny),
+            mantissa: lanes.select(shear.mantissa, zero, tiny),
+            exponent: lanes.select(shear.exponent, zero, tiny),
         };
         [
             reals.parts(horizontal, bits),
@@ -395,6 +355,7 @@ impl<W: Doubles> Stages<'_, W> {
         ]
     }
 
+    /// Mantissas and exponent of the conic.
     #[inline(always)]
     pub fn conic(
         &self,
@@ -402,43 +363,33 @@ impl<W: Doubles> Stages<'_, W> {
         horizontal: Real<W>,
         inverse: Real<W>,
         culled: &mut Word<W>,
-    ) -> ([Word<W>; 3], Word<W>) {
-        let (math, reals, bits) = (self.math, self.reals, self.bits());
+    ) -> [Word<W>; 4] {
+        let (lanes, reals, bits) = (self.lanes, self.reals, self.bits());
         let coefficients = [
             horizontal,
             reals.opposite(reals.multiply(variance.xy, inverse, bits)),
             reals.multiply(variance.xx, inverse, bits),
         ];
-        let mut largest = math.splat(0);
+        let mut largest = lanes.splat(0);
         for coefficient in coefficients {
             let magnitude = reals.magnitude(coefficient).0;
-            largest = math.lanes.double_max(largest, magnitude);
+            largest = lanes.double_max(largest, magnitude);
         }
         let exponent = reals.exponent(Real(largest), bits);
-        let unit = reals.power(math.negate(exponent));
-        let mut mantissa = [math.splat(0); 3];
-        for (mantissa, coefficient) in mantissa.iter_mut().zip(coefficients) {
+        let unit = reals.power(lanes.negate(exponent));
+        let mut conic = [exponent; 4];
+        for (mantissa, coefficient) in conic.iter_mut().zip(coefficients) {
             let aligned = reals.times(coefficient, unit);
             *mantissa = reals.to_short_word(reals.to_fixed(aligned, 1.0));
         }
         self.unpackable([exponent], culled);
-        (mantissa, exponent)
+        conic
     }
 
     #[inline(always)]
-    fn compensate(
-        &self,
-        weight: Real<W>,
-        [a, b, c]: &[[Real<W>; 2]; 3],
-        inverse: Real<W>,
-    ) -> Real<W> {
+    fn compensate(&self, weight: Real<W>, minors: [Term<W>; 3], inverse: Real<W>) -> Real<W> {
         let (reals, bits) = (self.reals, self.bits());
-        let squares = [
-            self.minor_squared(a, b),
-            self.minor_squared(a, c),
-            self.minor_squared(b, c),
-        ];
-        let sharp = reals.sum(squares, bits);
+        let sharp = reals.sum(minors, bits);
         self.doubt_unless_large([sharp]);
         let kept = reals.multiply(sharp, inverse, bits);
         reals.multiply(weight, reals.square_root(kept, bits), bits)
@@ -467,29 +418,29 @@ impl<W: Doubles> Stages<'_, W> {
     /// The number where the other is positive, else 0.
     #[inline(always)]
     pub fn where_positive(&self, other: Real<W>, number: Real<W>) -> Real<W> {
-        let math = self.math;
-        let zero = math.splat(0);
-        let positive = math.lanes.double_greater(other.0, zero);
-        Real(math.select(zero, number.0, positive))
+        let lanes = self.lanes;
+        let zero = lanes.splat(0);
+        let positive = lanes.double_greater(other.0, zero);
+        Real(lanes.select(zero, number.0, positive))
     }
 
     #[inline(always)]
     pub fn cutoff(&self, peak: Real<W>, culled: &mut Word<W>) -> Word<W> {
         // As in the kernel's `cutoff`.
         const END: i64 = 15 << 28;
-        let (math, end) = (self.math, self.rules.kernel.end());
+        let (lanes, end) = (self.lanes, self.rules.kernel.end());
         if let Cutoff::Radial(cutoff) = self.rules.cutoff {
-            return math.splat(cutoff.min(end).into());
+            return lanes.splat(cutoff.min(end).into());
         }
         let least = (self.rules.alpha_min >> 1) as i64;
         let smallest = SoftFloat::from_wide(least, 1 - THRESHOLD as i32, 31);
         let below = ln(smallest).unwrap_or(i64::MAX >> 1);
-        let bright = math.lanes.double_greater(peak.0, math.splat(0));
+        let bright = lanes.double_greater(peak.0, lanes.splat(0));
         self.cull_unless(culled, Cull::Transparent, bright);
-        let cutoff = math.round(math.plus(self.reals.ln(peak), -below), 3);
-        let nowhere = math.greater(math.splat(1), cutoff);
+        let cutoff = lanes.round(lanes.plus(self.reals.ln(peak), -below), 3);
+        let nowhere = lanes.greater(lanes.splat(1), cutoff);
         self.cull(culled, Cull::Transparent, nowhere);
-        math.max(math.min(cutoff, math.splat(END)), math.splat(0))
+        lanes.max(lanes.min(cutoff, lanes.splat(END)), lanes.splat(0))
     }
 
     /// First and one past the last pixel on one axis.
@@ -502,35 +453,39 @@ impl<W: Doubles> Stages<'_, W> {
         cutoff: Word<W>,
         culled: &mut Word<W>,
     ) -> (Word<W>, Word<W>) {
-        let (math, reals) = (self.math, self.reals);
+        let (lanes, reals) = (self.lanes, self.reals);
         let cutoff = reals.scaled(reals.short(cutoff), 1.0 / power(28));
         let squared = reals.multiply(reals.narrow(cutoff, 16), variance, 16);
         let extent = reals.to_fixed(reals.square_root(squared, 16), power(32));
         let extent = reals.to_word(extent);
-        let wider = math.add(extent, math.shr(extent, 10));
-        let sample = math.shl(centre, 32 - i64::from(self.widths.subpixel));
-        let sample = math.plus(sample, -(1 << 31));
-        let low = math.sar(math.plus(math.sub(sample, wider), (1 << 32) - 1), 32);
-        let high = math.plus(math.sar(math.add(sample, wider), 32), 1);
-        let limit = math.splat(self.view.viewport[axis].into());
-        let zero = math.splat(0);
-        let low = math.min(math.max(low, zero), limit);
-        let high = math.min(math.max(high, zero), limit);
-        self.cull(culled, Cull::Outside, math.greater(math.plus(low, 1), high));
+        let wider = lanes.add(extent, lanes.shr_by(extent, 10));
+        let sample = lanes.shl_by(centre, 32 - i64::from(self.widths.subpixel));
+        let sample = lanes.plus(sample, -(1 << 31));
+        let low = lanes.sar_by(lanes.plus(lanes.sub(sample, wider), (1 << 32) - 1), 32);
+        let high = lanes.plus(lanes.sar_by(lanes.add(sample, wider), 32), 1);
+        let limit = lanes.splat(self.view.viewport[axis].into());
+        let zero = lanes.splat(0);
+        let low = lanes.min(lanes.max(low, zero), limit);
+        let high = lanes.min(lanes.max(high, zero), limit);
+        self.cull(
+            culled,
+            Cull::Outside,
+            lanes.greater(lanes.plus(low, 1), high),
+        );
         (low, high)
     }
 
     #[inline(always)]
     pub fn peak_fixed(&self, peak: Real<W>, culled: &mut Word<W>) -> Word<W> {
-        let (math, reals) = (self.math, self.reals);
+        let (lanes, reals) = (self.lanes, self.reals);
         let fraction = u32::from(self.widths.peak);
         let largest = reals.constant(((16i64 << fraction.min(28)) - 1) as f64);
         let scaled = reals.scaled(peak, power(fraction)).0;
         // The conversion rounds halves to even, as the kernel does here; what the limit cuts off is cut off after
         // rounding as well.
-        let fixed = reals.to_short_word(math.lanes.double_min(scaled, largest));
-        let fixed = math.max(fixed, math.splat(0));
-        let dark = math.greater(math.splat(1), fixed);
+        let fixed = reals.to_short_word(lanes.double_min(scaled, largest));
+        let fixed = lanes.max(fixed, lanes.splat(0));
+        let dark = lanes.greater(lanes.splat(1), fixed);
         self.cull(culled, Cull::Transparent, dark);
         fixed
     }

@@ -4,11 +4,11 @@
 //! add: the weight at the centre, the tangent plane's depth, the normal towards the eye. Colours are numbers of one
 //! splat each and stay so.
 
-use super::number::{BitDrop, power};
+use super::number::{Arithmetic, BitDrop, power};
 use super::real::Real;
-use super::stages::{Footprints, ProjectedWords, SplatLanes, Stages, Variance};
-use super::{Batched, Lists, SplatFields, list};
-use crate::fast::lanes::{Doubles, Wide};
+use super::stages::{ProjectedWords, SplatLanes, Stages, Variance};
+use super::{Batched, Lists, SplatFields};
+use crate::fast::lanes::Lanes;
 use splatline::footprint::surface::{
     Attributes, DEPTH_FRACTION, Plane, SurfaceFootprint, attribute_fraction,
 };
@@ -43,52 +43,52 @@ impl Batched for SurfaceSplat {
     }
 
     #[inline(always)]
-    fn set_up_together<L: Doubles>(stages: &Stages<L>, words: &SplatLanes<L>) -> SurfaceLists {
-        SurfaceLists::new(stages.math.lanes, &stages.surface(words))
+    fn set_up_together<L: Lanes>(stages: &Stages<L>, words: &SplatLanes<L>) -> SurfaceLists {
+        stages.surface(words)
     }
 
     #[inline(always)]
-    fn is_in_doubt(lists: &SurfaceLists, k: usize) -> bool {
-        lists.footprints.is_in_doubt(k)
-    }
-
-    #[inline(always)]
-    fn write(&self, lists: &SurfaceLists, k: usize, widths: &Widths, to: &mut SurfaceOutcome) {
-        *to = lists.outcome(k, self, widths);
+    fn write(
+        &self,
+        lists: &SurfaceLists,
+        k: usize,
+        widths: &Widths,
+        to: &mut SurfaceOutcome,
+    ) -> bool {
+        let certain = !lists.footprints.is_in_doubt(k);
+        if certain {
+            *to = lists.outcome(k, self, widths);
+        }
+        certain
     }
 }
 
-/// Surface footprints without their colours, one per word or as lists.
-pub struct SurfaceParts<F, T> {
-    footprints: F,
+/// A vector's surface footprints, without their colours, as lists.
+pub struct SurfaceLists {
+    footprints: Lists,
     /// Depth at the centre, and what leads from there to the box's first sample point.
-    origin: [T; 3],
-    step: [T; 2],
-    normal: [T; 3],
+    origin: [[i64; 8]; 3],
+    step: [[i64; 8]; 2],
+    normal: [[i64; 8]; 3],
     /// 1 where the normal was turned.
-    back: T,
+    back: [i64; 8],
 }
 
-type SurfaceWords<W> = SurfaceParts<Footprints<W>, <W as Wide>::Word>;
-
-/// Words to surface footprints.
-pub type SurfaceLists = SurfaceParts<Lists, [i64; 8]>;
-
-impl<W: Doubles> Stages<'_, W> {
+impl<W: Lanes> Stages<'_, W> {
     /// `splatline::setup::setup_surface`.
     #[inline(always)]
-    fn surface(&self, splats: &SplatLanes<W>) -> SurfaceWords<W> {
-        let (math, reals) = (self.math, self.reals);
-        let mut culled = math.splat(0);
+    fn surface(&self, splats: &SplatLanes<W>) -> SurfaceLists {
+        let (lanes, reals) = (self.lanes, self.reals);
+        let mut culled = lanes.splat(0);
         self.doubt_inputs(splats);
         let projected = self.project(splats, &mut culled);
         let (first, z1) = self.column(splats, 0, &projected);
         let (second, z2) = self.column(splats, 1, &projected);
         let area = self.minor(&first, &second);
-        let variance = self.flat_variance(&first, &second, area);
+        let variance = self.variance(&[first, second], &[self.product(area, area)]);
         let inverse = reals.reciprocal(variance.determinant, self.bits());
         let ldl = self.ldl(&variance, inverse, &mut culled);
-        let (conic, conic_exponent) = self.conic(&variance, ldl[0], inverse, &mut culled);
+        let conic = self.conic(&variance, ldl[0], inverse, &mut culled);
         let peak = self.surface_peak(reals.of_parts(splats.weight), area, &variance);
         let cutoff = self.cutoff(peak, &mut culled);
         let peak = self.peak_fixed(peak, &mut culled);
@@ -112,62 +112,21 @@ impl<W: Doubles> Stages<'_, W> {
                 [z2, z1],
             ),
         ];
-        let origin = [
-            math.to_fixed(projected.depth, DEPTH_FRACTION),
-            self.rise(left, u, gradient[0]),
-            self.rise(top, v, gradient[1]),
-        ];
-        let (normal, back) = self.facing_normal(splats, &projected);
+        let depth = lanes.to_fixed(projected.depth, DEPTH_FRACTION);
+        let across = self.rise(left, u, gradient[0]);
+        let down = self.rise(top, v, gradient[1]);
+        let ([x, y, z], back) = self.facing_normal(splats, &projected);
         let step = [
-            reals.to_fixed(gradient[0], DEPTH_UNIT),
-            reals.to_fixed(gradient[1], DEPTH_UNIT),
+            reals.to_word(reals.to_fixed(gradient[0], DEPTH_UNIT)),
+            reals.to_word(reals.to_fixed(gradient[1], DEPTH_UNIT)),
         ];
-        SurfaceWords {
-            origin,
-            step: [reals.to_word(step[0]), reals.to_word(step[1])],
-            normal,
-            back,
-            footprints: Footprints {
-                culled,
-                doubt: reals.doubt.get(),
-                depth: projected.key,
-                centre: projected.centre,
-                first: [left, top],
-                last: [right, bottom],
-                ldl: self.packed(ldl),
-                conic,
-                conic_exponent,
-                cutoff,
-                peak,
-            },
-        }
-    }
-
-    /// `variance` of columns of which the third is 0.
-    #[inline(always)]
-    fn flat_variance(&self, a: &[Real<W>; 2], b: &[Real<W>; 2], area: Real<W>) -> Variance<W> {
-        let (reals, bits) = (self.reals, self.bits());
-        let h = reals.number(self.rules.low_pass);
-        let square = [
-            self.product(a[0], a[0]),
-            self.product(b[0], b[0]),
-            reals.term(h),
-        ];
-        let xx = reals.sum(square, bits);
-        let square = [self.product(a[1], a[1]), self.product(b[1], b[1])];
-        let yy_sharp = reals.sum(square, bits);
-        let mixed = [self.product(a[0], a[1]), self.product(b[0], b[1])];
-        let xy = reals.sum(mixed, bits);
-        let yy = reals.sum([reals.term(yy_sharp), reals.term(h)], bits);
-        let trace = reals.sum([reals.term(xx), reals.term(yy_sharp)], bits);
-        let terms = [self.product(area, area), reals.product(h, trace, 31 + bits)];
-        let determinant = reals.sum(terms, bits);
-        self.doubt_unless_large([xx, yy, determinant]);
-        Variance {
-            xx,
-            xy,
-            yy,
-            determinant,
+        let bounds = [left, top, right, bottom];
+        SurfaceLists {
+            footprints: self.lists(&projected, bounds, ldl, conic, [cutoff, peak, culled]),
+            origin: [lanes.list(depth), lanes.list(across), lanes.list(down)],
+            step: [lanes.list(step[0]), lanes.list(step[1])],
+            normal: [lanes.list(x), lanes.list(y), lanes.list(z)],
+            back: lanes.list(back),
         }
     }
 
@@ -211,10 +170,10 @@ impl<W: Doubles> Stages<'_, W> {
     /// What the plane rises from the centre to the sample point of a pixel.
     #[inline(always)]
     fn rise(&self, pixel: W::Word, centre: W::Word, slope: Real<W>) -> W::Word {
-        let (math, reals) = (self.math, self.reals);
+        let (lanes, reals) = (self.lanes, self.reals);
         let subpixel = i64::from(self.widths.subpixel);
-        let sample = math.shl(math.plus(math.shl(pixel, 1), 1), subpixel - 1);
-        let distance = reals.short(math.sub(sample, centre));
+        let sample = lanes.shl_by(lanes.plus(lanes.shl_by(pixel, 1), 1), subpixel - 1);
+        let distance = reals.short(lanes.sub(sample, centre));
         let distance = reals.narrow(distance, self.bits());
         let distance = reals.scaled(distance, 1.0 / power(subpixel));
         reals.times_to_fixed(slope, distance, DEPTH_UNIT)
@@ -227,7 +186,7 @@ impl<W: Doubles> Stages<'_, W> {
         splats: &SplatLanes<W>,
         projected: &ProjectedWords<W>,
     ) -> ([W::Word; 3], W::Word) {
-        let (math, reals) = (self.math, self.reals);
+        let (lanes, reals) = (self.lanes, self.reals);
         let normal = self.turned(splats, 2);
         let [ratio_x, ratio_y] = projected.ratio;
         let terms = [
@@ -238,32 +197,18 @@ impl<W: Doubles> Stages<'_, W> {
         let away = reals.sum_is_positive(terms, self.bits());
         let one = power(attribute_fraction(&self.widths));
         let [limit, least] = [reals.constant(one), reals.constant(-one)];
-        let mut facing = [math.splat(0); 3];
+        let mut facing = [lanes.splat(0); 3];
         for (facing, component) in facing.iter_mut().zip(normal) {
             let fixed = reals.to_fixed(component, one);
-            let fixed = math
-                .lanes
-                .double_max(math.lanes.double_min(fixed, limit), least);
+            let fixed = lanes.double_max(lanes.double_min(fixed, limit), least);
             let fixed = reals.to_short_word(fixed);
-            *facing = math.select(fixed, math.negate(fixed), away);
+            *facing = lanes.select(fixed, lanes.negate(fixed), away);
         }
-        (facing, math.select(math.splat(0), math.splat(1), away))
+        (facing, lanes.select(lanes.splat(0), lanes.splat(1), away))
     }
 }
 
 impl SurfaceLists {
-    #[inline(always)]
-    fn new<L: Doubles>(lanes: L, words: &SurfaceWords<L>) -> Self {
-        let ([a, b, c], [x, y, z]) = (words.origin, words.normal);
-        SurfaceLists {
-            footprints: Lists::new(lanes, &words.footprints),
-            origin: [list(lanes, a), list(lanes, b), list(lanes, c)],
-            step: [list(lanes, words.step[0]), list(lanes, words.step[1])],
-            normal: [list(lanes, x), list(lanes, y), list(lanes, z)],
-            back: list(lanes, words.back),
-        }
-    }
-
     /// What setup makes of splat `k`.
     #[inline(always)]
     fn outcome(&self, k: usize, splat: &SurfaceSplat, widths: &Widths) -> SurfaceOutcome {

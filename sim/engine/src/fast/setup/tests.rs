@@ -56,19 +56,32 @@ fn splat() -> impl Strategy<Value = VolumeSplat> {
         })
 }
 
+/// Sets splats up by vectors; `alone` is the kernel's outcome of one.
+fn check_all<S, T>(
+    widths: Widths,
+    (view, rules): (&View, &Rules),
+    splats: &[S],
+    alone: impl Fn(&S) -> Result<T, Cull>,
+) where
+    S: Batched<Outcome = Result<T, Cull>> + std::fmt::Debug,
+    T: Clone + PartialEq + std::fmt::Debug,
+{
+    let fields = RuntimeWidths::new(widths).unwrap();
+    for choice in [VectorLevel::Best, VectorLevel::Avx2] {
+        let mut outcomes = vec![Err(Cull::Near); splats.len()];
+        set_up(fields, view, rules, splats, &mut outcomes, Some(choice));
+        for (splat, outcome) in splats.iter().zip(outcomes) {
+            assert_eq!(outcome, alone(splat), "{choice:?} {splat:?}");
+        }
+    }
+}
+
 fn check<D: Design>(design: D, splats: &[VolumeSplat], rules: &Rules) {
     let scene = synthetic::random_gaussians(10, 1, 1.0);
     let camera = synthetic::camera(320, 200);
     let view = QuantisedScene::new(&scene, &camera, &rules::Rules::GAUSSIAN_3D).view;
-    let fields = RuntimeWidths::new(design.widths()).unwrap();
-    for choice in [VectorLevel::Best, VectorLevel::Avx2] {
-        let mut outcomes = vec![Err(Cull::Near); splats.len()];
-        set_up(fields, &view, rules, splats, &mut outcomes, Some(choice));
-        for (splat, outcome) in splats.iter().zip(outcomes) {
-            let expected = setup(design, &view, rules, splat);
-            assert_eq!(outcome, expected, "{choice:?} {splat:?}");
-        }
-    }
+    let alone = |splat: &VolumeSplat| setup(design, &view, rules, splat);
+    check_all(design.widths(), (&view, rules), splats, alone);
 }
 
 /// Arrays are what processors without vectors of their own would use; here the kernel is faster.
@@ -98,10 +111,10 @@ proptest! {
     /// The oracle is the kernel's arithmetic.
     #[test]
     fn reals_are_soft_floats(numbers in prop::collection::vec((normal(), normal(), normal(), normal()), 32..=32), bits in 16u32..=31) {
-        let math = Arithmetic { lanes: Portable };
+        let lanes = Portable;
         for (a, b, c, d) in numbers {
-            let doubt = Cell::new(math.splat(0));
-            let reals = Reals { words: math, doubt: &doubt };
+            let doubt = Cell::new(lanes.splat(0));
+            let reals = Reals { lanes, doubt: &doubt };
             let [x, y, z, w] = [a, b, c, d].map(|number| reals.number(number));
             let same = |got: Real<Portable>, expected: SoftFloat| {
                 let expected = reals.number(expected);
@@ -190,15 +203,8 @@ fn surface_splat(splat: &VolumeSplat) -> SurfaceSplat {
 
 fn check_surface<D: Design>(design: D, splats: &[SurfaceSplat], view: &View) {
     let rules = Rules::SURFACE;
-    let fields = RuntimeWidths::new(design.widths()).unwrap();
-    for choice in [VectorLevel::Best, VectorLevel::Avx2] {
-        let mut outcomes = vec![Err(Cull::Near); splats.len()];
-        set_up(fields, view, &rules, splats, &mut outcomes, Some(choice));
-        for (splat, outcome) in splats.iter().zip(outcomes) {
-            let expected = setup_surface(design, view, &rules, splat);
-            assert_eq!(outcome, expected, "{choice:?} {splat:?}");
-        }
-    }
+    let alone = |splat: &SurfaceSplat| setup_surface(design, view, &rules, splat);
+    check_all(design.widths(), (view, &rules), splats, alone);
 }
 
 proptest! {

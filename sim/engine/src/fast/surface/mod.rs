@@ -6,11 +6,10 @@
 
 mod tile;
 
-use super::lanes::prefetch;
-use super::lanes::sums::{PixelSums, ShareShift};
-use super::lanes::{VectorLevel, words::PixelWords};
-use super::lanes::{VectorTask, dispatch_pixels};
-use super::painter::TableMemory;
+use super::lanes::words::ShareShift;
+use super::lanes::{Lanes, VectorLevel, VectorTask, dispatch_pixels, prefetch};
+use super::painter::{CHECK_INTERVAL, TableMemory};
+use super::row_group::RowGroup;
 use super::rows::{Pixels, RowBatch, RuntimeRows};
 use super::setup::SurfaceOutcome;
 use super::words::path::{EVEN, PathNumbers, PixelPath, SplatWords, WordPixels};
@@ -155,30 +154,25 @@ impl GatherTask<'_, '_> {
         dispatch_pixels(choice, self).ok().flatten()
     }
 
-    /// One footprint by the kernel, its samples one by one.
+    /// One footprint by the kernel: its samples, each at its column and row of the screen.
     #[cold]
     #[inline(never)]
-    fn recorded(
-        &mut self,
-        footprint: &SurfaceFootprint,
-        mut each: impl FnMut(&mut Self, [u16; 2], Recorded),
-    ) -> Coverage {
+    fn recorded(&self, footprint: &SurfaceFootprint) -> (Coverage, Vec<([u16; 2], Recorded)>) {
         let window = Window::of(&footprint.footprint).intersect(&self.tile.window);
         let mut cells = vec![Recorded::EMPTY; window.pixels()];
         let coverage = (self.record)(footprint, window, &mut cells);
         let columns = usize::from(window.columns()).max(1);
-        for (place, cell) in cells.iter().enumerate() {
+        let placed = cells.into_iter().enumerate().map(|(place, cell)| {
             let (x, y) = ((place % columns) as u16, (place / columns) as u16);
-            if cell.weight > 0 {
-                each(self, [window.first[0] + x, window.first[1] + y], *cell);
-            }
-        }
-        coverage
+            ([window.first[0] + x, window.first[1] + y], cell)
+        });
+        let samples = placed.filter(|(_, cell)| cell.weight > 0).collect();
+        (coverage, samples)
     }
 }
 
 /// A footprint on vectors.
-struct Painted<'a, L: PixelSums> {
+struct Painted<'a, L: Lanes> {
     footprint: &'a SurfaceFootprint,
     splat: SplatWords<L>,
     words: AttributeWords<L>,
@@ -188,62 +182,59 @@ impl VectorTask for GatherTask<'_, '_> {
     type Output = Option<Coverage>;
 
     #[inline(always)]
-    fn run<L: PixelSums>(mut self, lanes: L) -> Option<Coverage> {
+    fn run<L: Lanes>(mut self, lanes: L) -> Option<Coverage> {
         let numbers = self.numbers;
         let path = WordPixels::<L, EVEN>::new(lanes, &numbers.path);
         let words = DepthWords::new(lanes, numbers);
-        let mut batch = RowBatch::new();
+        let (mut group, mut batch) = (RowGroup::default(), RowBatch::new());
         let mut coverage = Coverage::default();
-        let left = self.tile.window.first[0];
+        let (window, left) = (self.tile.window, self.tile.window.first[0]);
         let (footprints, list) = (self.tile.footprints, self.tile.list);
-        for (number, index) in list.iter().enumerate() {
-            if let Some(next) = list.get(number + AHEAD) {
-                prefetch(&footprints[*next as usize]);
-            }
-            let Ok(footprint) = &footprints[*index as usize] else {
-                continue;
-            };
+        let mut ahead = list.iter().skip(AHEAD);
+        for (number, part) in list.chunks(CHECK_INTERVAL).enumerate() {
             if let Gather::Sums(tile) = &mut self.gather
-                && number % LOOK_INTERVAL == 0
+                && (number * CHECK_INTERVAL).is_multiple_of(LOOK_INTERVAL)
                 && !self.counts
             {
                 tile.look();
             }
-            if self.is_hidden(footprint) {
-                continue;
+            let mut seen = [None; CHECK_INTERVAL];
+            let mut count = 0;
+            for index in part {
+                if let Some(next) = ahead.next() {
+                    prefetch(&footprints[*next as usize]);
+                }
+                if let Ok(footprint) = &footprints[*index as usize]
+                    && !self.is_hidden(footprint)
+                {
+                    seen[count] = Some(footprint);
+                    count += 1;
+                }
             }
-            let values = numbers.attributes(&footprint.attributes)?;
-            let attributes = words.splat(lanes, &values, numbers, footprint.attributes.material);
-            let rows = numbers
-                .rows
-                .constants(&footprint.footprint, &self.tile.window);
-            let splat = numbers.path.splat(&footprint.footprint);
-            let splat = splat.filter(|_| is_near(footprint) && batch.fill(lanes, &rows, left));
-            let Some(splat) = splat else {
-                coverage += self.recorded(footprint, |task, place, Recorded { weight, depth }| {
-                    let mut alone = [0; 8];
-                    alone[0] = weight.into();
-                    let depths = lanes.wide_splat(depth.into());
-                    let seen = task.seen(lanes, place, depths, &attributes, lanes.first(1));
-                    let samples = SampleWords {
-                        weights: lanes.keep(lanes.wide_load(&alone), seen),
-                        depths,
-                    };
-                    task.take(lanes, footprint, place, &samples, &attributes);
-                });
-                continue;
-            };
-            let painted = Painted {
-                footprint,
-                splat: path.splat(&splat, rows.second),
-                words: attributes,
-            };
-            for row in 0..batch.rows() {
-                for block in batch.touched() {
-                    if let Some(run) = batch.block(block).run(row, left) {
-                        let y = rows.rows[0] + row as u16;
-                        coverage.visited += run.length as u64;
-                        coverage.covered += self.run_of(&path, &words, &painted, y, &run);
+            for seen in seen[..count].chunks(L::WIDE) {
+                for (k, footprint) in seen.iter().flatten().enumerate() {
+                    group.read(k, &footprint.footprint, &window);
+                }
+                let together = group.compute(lanes, &numbers.rows.widths(), left);
+                for (k, footprint) in seen.iter().flatten().copied().enumerate() {
+                    let values = numbers.attributes(&footprint.attributes)?;
+                    let material = footprint.attributes.material;
+                    let attributes = words.splat(lanes, &values, numbers, material);
+                    let of_group = (&together, &group, k);
+                    let shape = &footprint.footprint;
+                    if is_near(footprint)
+                        && let Some(splat) = numbers.path.splat(shape)
+                        && let Some((first, second)) =
+                            batch.fill(&numbers.rows, of_group, shape, (&window, left))
+                    {
+                        let painted = Painted {
+                            footprint,
+                            splat: path.splat(&splat, second),
+                            words: attributes,
+                        };
+                        coverage += self.paint_rows(&path, &words, &painted, (&batch, first));
+                    } else {
+                        coverage += self.paint_alone(lanes, footprint, &attributes);
                     }
                 }
             }
@@ -253,9 +244,54 @@ impl VectorTask for GatherTask<'_, '_> {
 }
 
 impl GatherTask<'_, '_> {
+    /// One footprint by the kernel.
+    #[inline(always)]
+    fn paint_alone<L: Lanes>(
+        &mut self,
+        lanes: L,
+        footprint: &SurfaceFootprint,
+        attributes: &AttributeWords<L>,
+    ) -> Coverage {
+        let (coverage, samples) = self.recorded(footprint);
+        for (place, Recorded { weight, depth }) in samples {
+            let mut alone = [0; 8];
+            alone[0] = weight.into();
+            let depths = lanes.splat(depth.into());
+            let seen = self.seen(lanes, place, depths, attributes, lanes.first(1));
+            let samples = SampleWords {
+                weights: lanes.keep(lanes.load(&alone), seen),
+                depths,
+            };
+            self.take(lanes, footprint, place, &samples, attributes);
+        }
+        coverage
+    }
+
+    /// The runs of a footprint whose rows begin with the one of this number.
+    #[inline(always)]
+    fn paint_rows<L: Lanes>(
+        &mut self,
+        path: &WordPixels<L, EVEN>,
+        words: &DepthWords<L>,
+        painted: &Painted<L>,
+        (batch, first): (&RowBatch, u16),
+    ) -> Coverage {
+        let mut coverage = Coverage::default();
+        for row in 0..batch.rows() {
+            for block in batch.touched() {
+                if let Some(run) = batch.block(block).run(row, self.tile.window.first[0]) {
+                    let y = first + row as u16;
+                    coverage.visited += run.length as u64;
+                    coverage.covered += self.run_of(path, words, painted, y, &run);
+                }
+            }
+        }
+        coverage
+    }
+
     /// One run; the number of pixels inside.
     #[inline(always)]
-    fn run_of<L: PixelSums>(
+    fn run_of<L: Lanes>(
         &mut self,
         path: &WordPixels<L, EVEN>,
         words: &DepthWords<L>,
@@ -267,20 +303,20 @@ impl GatherTask<'_, '_> {
         let x = self.tile.window.first[0] + pixels.x as u16;
         let step = painted.footprint.plane.step[0];
         let depth = painted.footprint.depth_at(x, y);
-        let mut depth = lanes.wide_add(
-            lanes.wide_splat(depth + words.half),
-            lanes.multiples(lanes.wide_splat(step)),
+        let mut depth = lanes.add(
+            lanes.splat(depth + words.half),
+            lanes.multiples(lanes.splat(step)),
         );
         let mut radial = path.start(splat, pixels);
         let mut covered = 0;
         for from in (0..pixels.length).step_by(L::WIDE) {
             let inside = path.inside(splat, radial[0], pixels.length - from);
-            covered += u64::from(lanes.wide_flags(inside).count_ones());
+            covered += u64::from(lanes.flags(inside).count_ones());
             let depths = words.in_pixel(lanes, depth);
             let place = [x + from as u16, y];
             let seen = self.seen(lanes, place, depths, &painted.words, inside);
             // Half of a closed surface's samples are hidden: they need no opacity.
-            if lanes.wide_flags(seen) != 0 {
+            if lanes.flags(seen) != 0 {
                 let samples = SampleWords {
                     weights: words.weight(lanes, path.alpha(splat, radial[0], seen)),
                     depths,
@@ -288,7 +324,7 @@ impl GatherTask<'_, '_> {
                 self.take(lanes, painted.footprint, place, &samples, &painted.words);
             }
             radial = path.step(splat, radial);
-            depth = lanes.wide_add(depth, lanes.wide_splat(step.wrapping_mul(L::WIDE as i64)));
+            depth = lanes.add(depth, lanes.splat(step.wrapping_mul(L::WIDE as i64)));
         }
         covered
     }
@@ -315,7 +351,7 @@ impl GatherTask<'_, '_> {
 
     /// Which of the samples may change a pixel?
     #[inline(always)]
-    fn seen<L: PixelSums>(
+    fn seen<L: Lanes>(
         &self,
         lanes: L,
         place: [u16; 2],
@@ -337,7 +373,7 @@ impl GatherTask<'_, '_> {
 
     /// Hands samples on.
     #[inline(always)]
-    fn take<L: PixelSums>(
+    fn take<L: Lanes>(
         &mut self,
         lanes: L,
         footprint: &SurfaceFootprint,
@@ -349,9 +385,8 @@ impl GatherTask<'_, '_> {
         match &mut self.gather {
             Gather::Sums(tile) => tile.add(lanes, in_tile, samples, words),
             Gather::Samples(take) => {
-                let [mut weights, mut depths] = [[0; 8]; 2];
-                lanes.wide_store(&mut weights, samples.weights);
-                lanes.wide_store(&mut depths, samples.depths);
+                let weights = lanes.list(samples.weights);
+                let depths = lanes.list(samples.depths);
                 let attributes = &footprint.attributes;
                 take(attributes, place, &weights[..L::WIDE], &depths[..L::WIDE]);
             }
@@ -360,7 +395,7 @@ impl GatherTask<'_, '_> {
 }
 
 /// What brings opacities to weights and the depth lane to a pixel's depth.
-struct DepthWords<L: PixelWords> {
+struct DepthWords<L: Lanes> {
     /// Left shift, half of a unit and right shift of an opacity.
     weight: [L::Word; 3],
     half: i64,
@@ -369,12 +404,12 @@ struct DepthWords<L: PixelWords> {
     threshold: L::Word,
 }
 
-impl<L: PixelSums> DepthWords<L> {
+impl<L: Lanes> DepthWords<L> {
     #[inline(always)]
     fn new(lanes: L, numbers: &GatherNumbers) -> Self {
         let drop = i64::from(DEPTH_FRACTION) - 23;
         let [up, half, down] = numbers.weight;
-        let splat = |word| lanes.wide_splat(word);
+        let splat = |word| lanes.splat(word);
         DepthWords {
             weight: [splat(up), splat(half), splat(down)],
             half: 1 << (drop - 1),
@@ -388,15 +423,15 @@ impl<L: PixelSums> DepthWords<L> {
     #[inline(always)]
     fn weight(&self, lanes: L, alpha: L::Word) -> L::Word {
         let [up, half, down] = self.weight;
-        lanes.wide_shr(lanes.wide_add(lanes.wide_shl(alpha, up), half), down)
+        lanes.shr(lanes.add(lanes.shl(alpha, up), half), down)
     }
 
     /// `depth_in_pixel` of depths to which half of a unit has been added.
     #[inline(always)]
     fn in_pixel(&self, lanes: L, depth: L::Word) -> L::Word {
         let depth = lanes.clear(depth, lanes.marked(depth));
-        let depth = lanes.wide_shr(depth, self.drop);
-        lanes.wide_select(depth, self.last, lanes.wide_greater(depth, self.last))
+        let depth = lanes.shr(depth, self.drop);
+        lanes.select(depth, self.last, lanes.greater(depth, self.last))
     }
 
     #[inline(always)]
@@ -409,7 +444,7 @@ impl<L: PixelSums> DepthWords<L> {
     ) -> AttributeWords<L> {
         AttributeWords {
             attributes: lanes.attributes(values, numbers.share),
-            material: lanes.wide_splat(material.into()),
+            material: lanes.splat(material.into()),
             threshold: self.threshold,
         }
     }

@@ -2,10 +2,10 @@
 
 use super::{Gather, GatherNumbers, GatherTask, SumTile, SurfaceTile};
 use crate::camera::Camera;
+use crate::fast::TableMemory;
 use crate::fast::lanes::VectorLevel;
 use crate::fast::setup::SurfaceOutcome;
-use crate::fast::tests::{AnyWidths, VIEWPORT, any_widths, arbitrary, usual_widths};
-use crate::fast::{TILE, TableMemory};
+use crate::fast::tests::{AnyWidths, VIEWPORT, any_widths, arbitrary, usual_widths, window};
 use crate::fixed::surface::{QuantisedPoints, kernel_rules};
 use crate::fixed::{table, table_entries};
 use crate::scene::points::synthetic::{Paint, scene, sphere};
@@ -153,12 +153,6 @@ impl Subject<'_> {
         let coverage = self.painted(choice, Gather::Samples(&mut take), true);
         (cells, coverage)
     }
-}
-
-fn window(tile: (u16, u16)) -> Window {
-    let first = [tile.0 * TILE[0], tile.1 * TILE[1]];
-    let end = [0, 1].map(|axis| (first[axis] + TILE[axis]).min(VIEWPORT[axis]));
-    Window { first, end }
 }
 
 /// Points of a ball and of a smaller one behind it, so that depths are on either side of the threshold.

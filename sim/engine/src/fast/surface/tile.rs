@@ -7,7 +7,8 @@
 //! kept, the smaller of two that are equally near. An empty pixel is farther than any depth: its first sample replaces
 //! nothing. The greatest depth, which layers need, is not kept.
 
-use crate::fast::lanes::sums::{PixelSums, Sums};
+use crate::fast::lanes::Lanes;
+use crate::fast::lanes::words::Sums;
 use crate::fast::tile::{ROWS, TILE};
 use splatline::blend::surface::{Cell, Fragment, Sample, WeightedSum};
 use splatline::raster::Window;
@@ -65,7 +66,7 @@ impl Default for SumTile {
 
 /// Several samples of one splat in adjacent pixels, one per word.
 #[derive(Clone, Copy)]
-pub struct SampleWords<L: PixelSums> {
+pub struct SampleWords<L: Lanes> {
     /// UQ1.f; 0 where there is none.
     pub weights: L::Word,
     /// UQ9.23.
@@ -74,7 +75,7 @@ pub struct SampleWords<L: PixelSums> {
 
 /// A splat's attributes as samples add them, and what decides whether they do.
 #[derive(Clone, Copy)]
-pub struct AttributeWords<L: PixelSums> {
+pub struct AttributeWords<L: Lanes> {
     pub attributes: L::Attributes,
     pub material: L::Word,
     pub threshold: L::Word,
@@ -132,7 +133,7 @@ impl SumTile {
     /// Which of the samples in the pixels from column `x` of the tile on, in row `y` of the screen, are not dropped for
     /// being farther than their pixel?
     #[inline(always)]
-    pub fn seen<L: PixelSums>(
+    pub fn seen<L: Lanes>(
         &self,
         lanes: L,
         place: [usize; 2],
@@ -141,11 +142,8 @@ impl SumTile {
         samples: L::Truth,
     ) -> L::Truth {
         let (x, row) = self.place(place);
-        let near = lanes.wide_shr(
-            lanes.read(&self.rows[row].keys, x),
-            lanes.wide_splat(MATERIAL),
-        );
-        let behind = lanes.wide_greater(depths, lanes.wide_add(near, splat.threshold));
+        let near = lanes.shr(lanes.read(&self.rows[row].keys, x), lanes.splat(MATERIAL));
+        let behind = lanes.greater(depths, lanes.add(near, splat.threshold));
         lanes.except(samples, behind)
     }
 
@@ -159,7 +157,7 @@ impl SumTile {
     /// Adds samples that are [seen](SumTile::seen) to the pixels from column `x` of the tile on, in row `y` of the
     /// screen.
     #[inline(always)]
-    pub fn add<L: PixelSums>(
+    pub fn add<L: Lanes>(
         &mut self,
         lanes: L,
         place: [usize; 2],
@@ -170,16 +168,16 @@ impl SumTile {
         let Some(SumRow { keys, sums }) = self.rows.get_mut(row) else {
             return;
         };
-        let [none, material] = [0, MATERIAL].map(|word| lanes.wide_splat(word));
+        let [none, material] = [0, MATERIAL].map(|word| lanes.splat(word));
         let old = lanes.read(keys, x);
-        let near = lanes.wide_shr(old, material);
+        let near = lanes.shr(old, material);
         let SampleWords { weights, depths } = *samples;
-        let drawn = lanes.wide_greater(weights, none);
-        if lanes.wide_flags(drawn) == 0 {
+        let drawn = lanes.greater(weights, none);
+        if lanes.flags(drawn) == 0 {
             return;
         }
-        let before = lanes.wide_greater(near, lanes.wide_add(depths, splat.threshold));
-        let replaced = lanes.wide_flags(lanes.both(before, drawn));
+        let before = lanes.greater(near, lanes.add(depths, splat.threshold));
+        let replaced = lanes.flags(lanes.both(before, drawn));
         if replaced != 0 {
             for (k, sums) in sums[x..].iter_mut().take(L::WIDE).enumerate() {
                 if replaced >> k & 1 != 0 {
@@ -187,19 +185,15 @@ impl SumTile {
                 }
             }
         }
-        let key = lanes.wide_or(lanes.wide_shl(depths, material), splat.material);
-        let empty = lanes.wide_splat(EMPTY as i64);
-        let compared = lanes.wide_select(old, empty, before);
-        let nearest = lanes.wide_select(compared, key, lanes.wide_greater(compared, key));
-        lanes.write(keys, x, lanes.wide_select(old, nearest, drawn));
-        let mut words = [0; 8];
-        lanes.wide_store(&mut words, weights);
-        for (k, weight) in words.iter().enumerate().take(L::WIDE) {
+        let key = lanes.or(lanes.shl(depths, material), splat.material);
+        let empty = lanes.splat(EMPTY as i64);
+        let compared = lanes.select(old, empty, before);
+        let nearest = lanes.select(compared, key, lanes.greater(compared, key));
+        lanes.write(keys, x, lanes.select(old, nearest, drawn));
+        for (k, weight) in lanes.list(weights).iter().enumerate().take(L::WIDE) {
             if !lanes.add_shares(&mut sums[x + k], weight, &splat.attributes) {
                 // A full pixel stays as it is.
-                let mut keys_before = [0; 8];
-                lanes.wide_store(&mut keys_before, old);
-                keys[x + k] = keys_before[k] as u64;
+                keys[x + k] = lanes.list(old)[k] as u64;
             }
         }
     }

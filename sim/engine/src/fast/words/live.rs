@@ -6,9 +6,8 @@
 
 use super::path::{SHORT, TwoRuns};
 use super::tile::{PixelWord, WordTile};
-use crate::fast::lanes::Wide;
+use crate::fast::lanes::Lanes;
 use crate::fast::rows::{BlockSpans, Pixels, two, window_mut};
-use crate::fast::setup::number::Arithmetic;
 use crate::fast::tile::{ROOM, TILE};
 
 /// The runs of one footprint in one block; memory that is used again for every block.
@@ -32,24 +31,23 @@ impl LiveRuns {
     /// A bit for every row that has any comes back, and one for every row of which they are more than [`SHORT`]
     /// columns.
     #[inline(always)]
-    pub fn find<L: Wide, W: PixelWord>(
+    pub fn find<L: Lanes, W: PixelWord>(
         &mut self,
-        math: Arithmetic<L>,
+        lanes: L,
         (runs, count): (&BlockSpans, usize),
         (tile, first): (&WordTile<W>, usize),
         left: u16,
     ) -> [u64; 2] {
-        let lanes = math.lanes;
-        let (zero, short) = (math.splat(0), math.splat((1 << SHORT) - 1));
+        let (zero, short) = (lanes.splat(0), lanes.splat((1 << SHORT) - 1));
         let (mut empty, mut long) = (0, 0);
         for row in (0..count).step_by(L::WIDE) {
-            let [x, of_run] = columns(math, runs.columns(lanes, row), left);
-            let live = lanes.wide_load(tile.live(first + row));
-            let pixels = lanes.wide_shr(lanes.wide_and(of_run, live), x);
-            lanes.wide_store(window_mut(&mut self.starts, row), x);
-            lanes.wide_store(window_mut(&mut self.pixels, row), pixels);
-            empty |= u64::from(lanes.wide_flags(lanes.wide_equal(pixels, zero))) << row;
-            long |= u64::from(lanes.wide_flags(lanes.wide_greater(pixels, short))) << row;
+            let [x, of_run] = columns(lanes, runs.columns(lanes, row), left);
+            let live = lanes.load(tile.live(first + row));
+            let pixels = lanes.shr(lanes.and(of_run, live), x);
+            lanes.store(window_mut(&mut self.starts, row), x);
+            lanes.store(window_mut(&mut self.pixels, row), pixels);
+            empty |= u64::from(lanes.flags(lanes.equal(pixels, zero))) << row;
+            long |= u64::from(lanes.flags(lanes.greater(pixels, short))) << row;
         }
         // A row beside the last one is none.
         self.pixels[count.min(ROOM - 1)] = 0;
@@ -87,19 +85,19 @@ impl LiveRuns {
 
 /// First columns of runs in the tile that begins at column `left`, and a bit for each of their pixels.
 #[inline(always)]
-fn columns<L: Wide>(math: Arithmetic<L>, [x, end]: [L::Word; 2], left: u16) -> [L::Word; 2] {
-    let (lanes, left) = (math.lanes, i64::from(left));
-    let (all, end_of_tile) = (math.splat(-1), math.splat(left + i64::from(TILE[0])));
-    let x = math.sub(x, math.splat(left));
+fn columns<L: Lanes>(lanes: L, [x, end]: [L::Word; 2], left: u16) -> [L::Word; 2] {
+    let left = i64::from(left);
+    let (all, end_of_tile) = (lanes.splat(-1), lanes.splat(left + i64::from(TILE[0])));
+    let x = lanes.sub(x, lanes.splat(left));
     // From the first column on, and up to the last one: none where a run ends before it begins.
-    let to_end = lanes.wide_shr(all, math.sub(end_of_tile, end));
-    [x, lanes.wide_and(lanes.wide_shl(all, x), to_end)]
+    let to_end = lanes.shr(all, lanes.sub(end_of_tile, end));
+    [x, lanes.and(lanes.shl(all, x), to_end)]
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fast::lanes::{Doubles, Portable, VectorLevel, VectorTask, dispatch_vectors};
+    use crate::fast::lanes::{Portable, VectorLevel, VectorTask, dispatch_vectors};
     use proptest::prelude::*;
 
     struct Runs {
@@ -112,13 +110,11 @@ mod tests {
         type Output = Vec<[i64; 2]>;
 
         #[inline(always)]
-        fn run<L: Doubles>(self, lanes: L) -> Vec<[i64; 2]> {
-            let runs = [&self.x, &self.end].map(|list| lanes.wide_load(list));
+        fn run<L: Lanes>(self, lanes: L) -> Vec<[i64; 2]> {
+            let runs = [&self.x, &self.end].map(|list| lanes.load(list));
             let mut lists = [[0; 8]; 2];
-            for (list, words) in
-                (lists.iter_mut()).zip(columns(Arithmetic { lanes }, runs, self.left))
-            {
-                lanes.wide_store(list, words);
+            for (list, words) in (lists.iter_mut()).zip(columns(lanes, runs, self.left)) {
+                lanes.store(list, words);
             }
             (0..L::WIDE).map(|k| lists.map(|list| list[k])).collect()
         }

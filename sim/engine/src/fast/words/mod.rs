@@ -9,14 +9,11 @@
 mod live;
 mod painting;
 pub(super) mod path;
-mod reach;
 mod single;
 pub mod tile;
 pub mod visit;
 
-use super::lanes::sums::PixelSums;
-use super::lanes::{Doubles, VectorLevel, VectorTask};
-use super::lanes::{dispatch_pixels, dispatch_vectors};
+use super::lanes::{Lanes, VectorLevel, VectorTask, dispatch_pixels, draws_pixels};
 use super::painter::{CHECK_INTERVAL, PaintScratch, Results, ScalarPainter, TilePainter, TileWork};
 use super::rows::RuntimeRows;
 use super::setup::Outcome;
@@ -52,6 +49,9 @@ impl<D: Design> WordPainter<D> {
         choice: VectorLevel,
         counts: bool,
     ) -> Option<Self> {
+        if !draws_pixels(choice) {
+            return None;
+        }
         let widths = design.widths();
         let kernel = ScalarPainter::new(design, rules, order, Traversal::Spans);
         let numbers = PathNumbers::new(&kernel.table, D::Lane::BITS)?;
@@ -97,65 +97,64 @@ impl<D: Design> WordPainter<D> {
     }
 }
 
-impl<D: Design + Send + Sync> TilePainter for WordPainter<D> {
-    fn paint(&self, scratch: &mut PaintScratch, work: TileWork) -> Coverage {
-        let TileWork {
-            window,
-            footprints,
-            list,
-            start,
-            pixels,
-        } = work;
-        let widths = self.kernel.design.widths();
-        let clear = Pixel::clear(&widths);
-        let painting = Painting {
-            widths,
-            numbers: &self.numbers,
-            single: self.single.as_ref(),
-            rows: &self.rows,
-            footprints,
-            list,
-            start,
-            counts: self.counts,
+impl<D: Design + Send + Sync> WordPainter<D> {
+    /// Paints a tile by words that have such numbers; `None`, and pixels as they were, where these vectors do not, or
+    /// the words do not hold a sum.
+    fn paint_in<W: PixelWord, N>(
+        &self,
+        (numbers, level): (&N, VectorLevel),
+        tile: &mut WordTile<W>,
+        work: &mut TileWork,
+    ) -> Option<Coverage>
+    where
+        for<'a> TilePainting<'a, W, N>: VectorTask<Output = Coverage>,
+    {
+        let (footprints, widths) = (work.footprints, self.kernel.design.widths());
+        tile.start(work.window, Pixel::clear(&widths), work.start, work.pixels);
+        // Colours beyond their format, drawn by the kernel, make sums beyond theirs: 64-bit words hold them.
+        if tile.has_overflowed() {
+            return None;
+        }
+        let task = TilePainting {
+            painting: Painting {
+                widths,
+                numbers: &self.numbers,
+                rows: &self.rows,
+                footprints,
+                list: work.list,
+                start: work.start,
+                counts: self.counts,
+            },
+            numbers,
+            scalar: &|index, tile| self.paint_scalar(&footprints[index as usize], tile),
+            tile,
         };
+        let coverage = dispatch_pixels(level, task).ok()?;
+        if tile.has_overflowed() {
+            return None;
+        }
+        tile.copy(work.pixels);
+        Some(coverage)
+    }
+}
+
+impl<D: Design + Send + Sync> TilePainter for WordPainter<D> {
+    fn paint(&self, scratch: &mut PaintScratch, mut work: TileWork) -> Coverage {
         let in_singles = self.single.as_ref().and_then(|numbers| {
             let tile = scratch.singles.get_or_insert_default();
-            tile.start(window, clear, start, pixels);
-            // Colours beyond their format, drawn by the kernel, make sums beyond theirs: 64-bit words hold them.
-            if tile.has_overflowed() {
-                return None;
-            }
-            let task = TilePainting {
-                painting,
-                numbers,
-                scalar: &|index, tile| self.paint_scalar(&footprints[index as usize], tile),
-                tile,
-            };
-            let coverage = dispatch_vectors(self.choice, task).ok()?;
-            if tile.has_overflowed() {
-                return None;
-            }
-            tile.copy(pixels);
-            Some(coverage)
+            self.paint_in((numbers, self.choice), tile, &mut work)
         });
-        let coverage = in_singles.unwrap_or_else(|| {
+        let painted = in_singles.or_else(|| {
+            let level = self.level(work.footprints, work.list);
             let tile = scratch.words.get_or_insert_default();
-            tile.start(window, clear, start, pixels);
-            let task = TilePainting {
-                painting,
-                numbers: &self.numbers,
-                scalar: &|index, tile| self.paint_scalar(&footprints[index as usize], tile),
-                tile,
-            };
-            let coverage = dispatch_pixels(self.level(footprints, list), task);
-            let coverage = coverage.unwrap_or_else(TilePainting::paint_scalar);
-            tile.copy(pixels);
-            coverage
+            self.paint_in((&self.numbers, level), tile, &mut work)
         });
-        if self.counts {
-            coverage
-        } else {
-            Coverage::default()
+        match painted {
+            Some(coverage) if self.counts => coverage,
+            Some(_) => Coverage::default(),
+            None => unreachable!(
+                "64-bit words hold all sums, and vectors were there when they were chosen"
+            ),
         }
     }
 }
@@ -172,7 +171,7 @@ impl VectorTask for TilePainting<'_, u64, PathNumbers> {
     type Output = Coverage;
 
     #[inline(always)]
-    fn run<L: PixelSums>(self, lanes: L) -> Coverage {
+    fn run<L: Lanes>(self, lanes: L) -> Coverage {
         match self.numbers.operator {
             OMIT_FINISHING => self.paint::<L, OMIT_FINISHING>(lanes),
             DRAW_FINISHING => self.paint::<L, DRAW_FINISHING>(lanes),
@@ -184,18 +183,8 @@ impl VectorTask for TilePainting<'_, u64, PathNumbers> {
 }
 
 impl TilePainting<'_, u64, PathNumbers> {
-    /// By the kernel, where there are no vectors after all.
-    #[cold]
-    fn paint_scalar(self) -> Coverage {
-        let mut coverage = Coverage::default();
-        for index in self.painting.list {
-            coverage += (self.scalar)(*index, self.tile);
-        }
-        coverage
-    }
-
     #[inline(always)]
-    fn paint<L: PixelSums, const OPERATOR: u8>(self, lanes: L) -> Coverage {
+    fn paint<L: Lanes, const OPERATOR: u8>(self, lanes: L) -> Coverage {
         let path = WordPixels::<L, OPERATOR>::new(lanes, self.numbers);
         self.painting.paint(lanes, &path, self.scalar, self.tile)
     }
@@ -205,7 +194,7 @@ impl VectorTask for TilePainting<'_, f32, SingleNumbers> {
     type Output = Coverage;
 
     #[inline(always)]
-    fn run<L: Doubles>(self, lanes: L) -> Coverage {
+    fn run<L: Lanes>(self, lanes: L) -> Coverage {
         if self.painting.numbers.operator == EVEN | OMIT_FINISHING {
             self.paint::<L, OMIT_FINISHING>(lanes)
         } else {
@@ -216,7 +205,7 @@ impl VectorTask for TilePainting<'_, f32, SingleNumbers> {
 
 impl TilePainting<'_, f32, SingleNumbers> {
     #[inline(always)]
-    fn paint<L: Doubles, const OPERATOR: u8>(self, lanes: L) -> Coverage {
+    fn paint<L: Lanes, const OPERATOR: u8>(self, lanes: L) -> Coverage {
         let path = SinglePixels::<_, OPERATOR>::new(lanes.singles(), self.numbers);
         self.painting.paint(lanes, &path, self.scalar, self.tile)
     }

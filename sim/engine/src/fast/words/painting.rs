@@ -3,17 +3,14 @@
 
 use super::live::LiveRuns;
 use super::path::{PathNumbers, PixelPath, SplatNumbers};
-use super::single::SingleNumbers;
 use super::tile::WordTile;
-use crate::fast::lanes::{Doubles, prefetch};
+use crate::fast::lanes::{Lanes, prefetch};
 use crate::fast::painter::{CHECK_INTERVAL, Results, Start};
 use crate::fast::row_group::RowGroup;
 use crate::fast::row_reals::RowReals;
 use crate::fast::rows::{RowBatch, RuntimeRows};
-use crate::fast::setup::number::Arithmetic;
 use crate::fast::tile::ROWS;
 use splatline::draw::Coverage;
-use splatline::footprint::Footprint;
 use splatline::format::Widths;
 use splatline::raster::Window;
 
@@ -23,7 +20,6 @@ use splatline::raster::Window;
 pub(super) struct Painting<'a> {
     pub widths: Widths,
     pub numbers: &'a PathNumbers,
-    pub single: Option<&'a SingleNumbers>,
     pub rows: &'a RuntimeRows,
     pub footprints: &'a Results,
     pub list: &'a [u32],
@@ -36,9 +32,9 @@ pub(super) type PaintAlone<'a, W> = dyn Fn(u32, &mut WordTile<W>) -> Coverage + 
 
 /// Painting on its way through a list. Its memory is lent: what is indexed, or seen by a function that is not inlined,
 /// keeps a structure out of registers.
-struct Progress<'a, 'b, L: Doubles, P: PixelPath> {
+struct Progress<'a, 'b, L: Lanes, P: PixelPath> {
     painting: Painting<'a>,
-    math: Arithmetic<L>,
+    lanes: L,
     path: &'b P,
     scalar: &'b PaintAlone<'b, P::Word>,
     tile: &'b mut WordTile<P::Word>,
@@ -53,17 +49,9 @@ struct Progress<'a, 'b, L: Doubles, P: PixelPath> {
 }
 
 impl Painting<'_> {
-    /// What a footprint's pixels need beside its rows; `None` if it lies outside its formats.
-    #[inline(always)]
-    fn splat(&self, footprint: &Footprint) -> Option<SplatNumbers> {
-        let splat = self.numbers.splat(footprint)?;
-        let fits = self.single.is_none_or(|single| single.fits(&splat));
-        fits.then_some(splat)
-    }
-
     /// Paints the tile.
     #[inline(always)]
-    pub fn paint<L: Doubles, P: PixelPath>(
+    pub fn paint<L: Lanes, P: PixelPath>(
         self,
         lanes: L,
         path: &P,
@@ -73,7 +61,7 @@ impl Painting<'_> {
         let window = tile.window();
         let mut progress = Progress {
             painting: self,
-            math: Arithmetic { lanes },
+            lanes,
             path,
             scalar,
             tile,
@@ -98,7 +86,7 @@ impl Painting<'_> {
     }
 }
 
-impl<L: Doubles, P: PixelPath> Progress<'_, '_, L, P> {
+impl<L: Lanes, P: PixelPath> Progress<'_, '_, L, P> {
     /// Looks which pixels are in work; `false` if none is.
     #[inline(always)]
     fn look(&mut self) -> bool {
@@ -129,7 +117,7 @@ impl<L: Doubles, P: PixelPath> Progress<'_, '_, L, P> {
             }
             let together = self
                 .group
-                .compute(self.math, &self.painting.widths, self.corner[0]);
+                .compute(self.lanes, &self.painting.widths, self.corner[0]);
             for (k, (index, _)) in indices.iter().enumerate() {
                 // A few at a time: many at once wait for each other.
                 for index in ahead.by_ref().take(each) {
@@ -180,14 +168,13 @@ impl<L: Doubles, P: PixelPath> Progress<'_, '_, L, P> {
         // A copy: whoever is called gets no reference into this structure.
         let (left, window) = (self.corner[0], self.window);
         let footprint = footprints[index as usize].as_ref().ok()?;
-        if let Some(splat) = self.painting.splat(footprint) {
-            if self.batch.fill_member(together, self.group, k, left) {
-                return Some((splat, self.group.member(k).rows[0], self.group.second(k)));
-            }
-            let rows = rows.constants_apart(footprint, &window);
-            if self.batch.fill(self.math.lanes, &rows, left) {
-                return Some((splat, rows.rows[0], rows.second));
-            }
+        let of_group = (together, &*self.group, k);
+        if let Some(splat) = self.painting.numbers.splat(footprint)
+            && self.path.fits(&splat)
+            && let Some((first, second)) =
+                (self.batch).fill(rows, of_group, footprint, (&window, left))
+        {
+            return Some((splat, first, second));
         }
         self.coverage += (self.scalar)(index, self.tile);
         None
@@ -202,7 +189,7 @@ impl<L: Doubles, P: PixelPath> Progress<'_, '_, L, P> {
         for block in self.batch.touched() {
             let runs = self.batch.block(block);
             let live = (&*self.tile, first);
-            let [mut left_over, long] = self.live.find(self.math, (runs, count), live, left);
+            let [mut left_over, long] = self.live.find(self.lanes, (runs, count), live, left);
             let rows = self.tile.rows();
             // If all runs are short; a choice row by row is foreseen by no branch. The tile's last row has none behind
             // it.

@@ -16,15 +16,15 @@
 //!
 //! [`FootprintTable::weight`]: splatline::kernel::FootprintTable::weight
 
-use super::reach::TableReach;
 use super::tile::{PixelWord, Row};
-use crate::fast::lanes::words::{Falls, PixelWords};
+use crate::fast::lanes::Lanes;
+use crate::fast::lanes::words::Falls;
 use crate::fast::painter::TableMemory;
 use crate::fast::rows::Pixels;
 use crate::fast::setup::number::BitDrop;
 use crate::fast::tile::TILE;
 use splatline::blend::Blend;
-use splatline::draw::Coverage;
+use splatline::draw::{Coverage, cutoff_in_lane};
 use splatline::footprint::Footprint;
 use splatline::format::{Rounding, Widths};
 use splatline::rules::Compositing;
@@ -35,6 +35,11 @@ pub trait PixelPath {
     type Word: PixelWord;
     /// What is constant for a footprint.
     type Splat: Copy;
+    /// Can it paint a footprint with these numbers?
+    #[inline(always)]
+    fn fits(&self, _: &SplatNumbers) -> bool {
+        true
+    }
     /// A footprint's constants, for rows with this second difference.
     fn splat(&self, numbers: &SplatNumbers, second: i64) -> Self::Splat;
     /// Paints some pixels of a row; covered ones, and those of them that had finished, are counted if `COUNTS` says so.
@@ -91,7 +96,9 @@ fn shift(by: i32, rounding: Rounding) -> Option<BitDrop> {
 pub struct PathNumbers {
     widths: Widths,
     falls: Falls,
-    reach: TableReach,
+    /// The table's intervals, and bits of the radial index below an interval's number.
+    intervals: u64,
+    rest_bits: u32,
     /// Bits above the formats of peaks and colours.
     beyond: [u32; 2],
     /// Left shift of lanes that have 32 bits.
@@ -124,11 +131,19 @@ pub struct SplatNumbers {
 }
 
 impl PathNumbers {
-    /// For widths and a table that words can do, in lanes of so many bits.
+    /// For widths and a table that words can do, in lanes of so many bits; `None` if an entry of the table exceeds 1,
+    /// or a constant or the lanes' radial index its format.
     pub fn new(memory: &TableMemory, lane_bits: u32) -> Option<Self> {
-        let widths = &memory.widths;
+        let (widths, table) = (&memory.widths, memory.table());
         let constants = Blend::new(widths, &memory.rules).constants();
-        let reach = TableReach::new(memory, &constants, lane_bits)?;
+        let (entries, deep) = (table.entries(), lane_bits > 32);
+        let fits = entries.iter().all(|entry| *entry <= 1 << widths.weight)
+            && u64::from(constants.minimum_transmittance) < 1 << widths.transmittance
+            && constants.alpha_max <= 1 << widths.alpha
+            && (deep || widths.radial <= 27);
+        if !fits {
+            return None;
+        }
         let shift = |by| shift(by, constants.rounding);
         let even = if constants.rounding == Rounding::NearestEven {
             EVEN
@@ -139,9 +154,11 @@ impl PathNumbers {
             widths: *widths,
             beyond: [widths.peak, widths.colour]
                 .map(|fraction| u32::MAX.checked_shl(u32::from(fraction) + 4).unwrap_or(0)),
-            falls: Falls::new(memory.table().entries())?,
-            kept: u32::from(widths.interpolation).min(reach.rest_bits),
-            raise: if reach.deep { 0 } else { 32 },
+            falls: Falls::new(entries)?,
+            intervals: entries.len().saturating_sub(1) as u64,
+            rest_bits: table.rest_bits(),
+            kept: u32::from(widths.interpolation).min(table.rest_bits()),
+            raise: if deep { 0 } else { 32 },
             opacity: shift(constants.opacity_shift)?,
             share: shift(constants.contribution_shift)?,
             colour: shift(constants.colour_shift)?,
@@ -156,7 +173,6 @@ impl PathNumbers {
                 },
             layer: None,
             light: shift(0)?,
-            reach,
         })
     }
 
@@ -186,10 +202,21 @@ impl PathNumbers {
         })
     }
 
+    /// One past the largest radial index inside a footprint with this cut-off; `None` if it lies outside the table, so
+    /// that vectors would look something up beyond it, or outside the lanes.
+    #[inline(always)]
+    fn end(&self, cutoff: u32) -> Option<i64> {
+        let end = i64::try_from(cutoff_in_lane(cutoff, self.widths.radial)).ok()?;
+        let last = end.checked_sub(1)?;
+        let fits = (self.raise == 0 || end <= i64::from(i32::MAX))
+            && (last < 0 || ((last as u64) >> self.rest_bits) < self.intervals);
+        fits.then_some(end)
+    }
+
     /// A footprint's numbers; `None` if its words lie outside their formats or its end outside the table.
     #[inline(always)]
     pub fn splat(&self, footprint: &Footprint) -> Option<SplatNumbers> {
-        let end = self.reach.end(footprint.cutoff)?;
+        let end = self.end(footprint.cutoff)?;
         let [red, green, blue] = footprint.colour;
         let [peak, colour] = self.beyond;
         let fits = footprint.opacity & peak | (red | green | blue) & colour == 0;
@@ -203,7 +230,7 @@ impl PathNumbers {
 
 /// The same on vectors.
 #[derive(Clone, Copy)]
-pub struct WordPixels<'a, L: PixelWords, const OPERATOR: u8> {
+pub struct WordPixels<'a, L: Lanes, const OPERATOR: u8> {
     lanes: L,
     /// The operator, for the copy that looks it up.
     operator: u8,
@@ -236,7 +263,7 @@ pub struct WordPixels<'a, L: PixelWords, const OPERATOR: u8> {
 
 /// A [`BitDrop`] on vectors.
 #[derive(Clone, Copy)]
-struct ShiftWords<L: PixelWords> {
+struct ShiftWords<L: Lanes> {
     by: L::Word,
     half: L::Word,
     odd: L::Word,
@@ -244,7 +271,7 @@ struct ShiftWords<L: PixelWords> {
 
 /// What is constant for a footprint.
 #[derive(Clone, Copy)]
-pub struct SplatWords<L: PixelWords> {
+pub struct SplatWords<L: Lanes> {
     end: L::Word,
     peak: L::Word,
     colour: [L::Word; 3],
@@ -254,18 +281,18 @@ pub struct SplatWords<L: PixelWords> {
     second: L::Word,
 }
 
-impl<'a, L: PixelWords, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
+impl<'a, L: Lanes, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
     /// On these vectors.
     #[inline(always)]
     pub fn new(lanes: L, numbers: &'a PathNumbers) -> Self {
-        let word = |value: u64| lanes.wide_splat(value as i64);
+        let word = |value: u64| lanes.splat(value as i64);
         let shift = |BitDrop { by, half, odd }| ShiftWords {
             by: word(by.into()),
             half: word(half),
             odd: word(odd),
         };
         let [alpha, transmittance] = [numbers.widths.alpha, numbers.widths.transmittance];
-        let (rest, kept) = (numbers.reach.rest_bits, numbers.kept);
+        let (rest, kept) = (numbers.rest_bits, numbers.kept);
         WordPixels {
             lanes,
             operator: numbers.operator,
@@ -283,8 +310,8 @@ impl<'a, L: PixelWords, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
             share: shift(numbers.share),
             colour: shift(numbers.colour),
             alpha_max: word(numbers.alpha_max.into()),
-            opacity_min: lanes.wide_splat(numbers.opacity_min),
-            stop: lanes.wide_splat(numbers.stop),
+            opacity_min: lanes.splat(numbers.opacity_min),
+            stop: lanes.splat(numbers.stop),
             mark: word(super::tile::MARK),
             layer: shift(numbers.layer.unwrap_or(numbers.light)),
             raised: word(transmittance.saturating_sub(alpha).into()),
@@ -313,12 +340,12 @@ impl<'a, L: PixelWords, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
     #[inline(always)]
     pub fn start(&self, splat: &SplatWords<L>, pixels: &Pixels) -> [L::Word; 2] {
         let lanes = self.lanes;
-        let raised = |lane: i64| lanes.wide_splat(lane << self.raise);
+        let raised = |lane: i64| lanes.splat(lane << self.raise);
         let first = raised(pixels.first);
-        let start = lanes.wide_add(raised(pixels.radial), splat.ahead[0]);
-        let radial = lanes.wide_add(start, lanes.multiples(first));
-        let width = lanes.wide_shl(first, self.width);
-        [radial, lanes.wide_add(width, splat.ahead[1])]
+        let start = lanes.add(raised(pixels.radial), splat.ahead[0]);
+        let radial = lanes.add(start, lanes.multiples(first));
+        let width = lanes.shl(first, self.width);
+        [radial, lanes.add(width, splat.ahead[1])]
     }
 
     /// On to the next vector.
@@ -326,8 +353,8 @@ impl<'a, L: PixelWords, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
     pub fn step(&self, splat: &SplatWords<L>, [radial, difference]: [L::Word; 2]) -> [L::Word; 2] {
         let lanes = self.lanes;
         [
-            lanes.wide_add(radial, difference),
-            lanes.wide_add(difference, splat.second),
+            lanes.add(radial, difference),
+            lanes.add(difference, splat.second),
         ]
     }
 
@@ -335,16 +362,16 @@ impl<'a, L: PixelWords, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
     #[inline(always)]
     pub fn inside(&self, splat: &SplatWords<L>, radial: L::Word, rest: usize) -> L::Truth {
         let lanes = self.lanes;
-        lanes.both(lanes.wide_greater(splat.end, radial), lanes.first(rest))
+        lanes.both(lanes.greater(splat.end, radial), lanes.first(rest))
     }
 
     /// Opacities at these radial indices where they are inside, 0 elsewhere.
     #[inline(always)]
     pub fn alpha(&self, splat: &SplatWords<L>, radial: L::Word, inside: L::Truth) -> L::Word {
         let lanes = self.lanes;
-        let product = lanes.wide_mul_unsigned(splat.peak, self.weight(radial));
+        let product = lanes.mul_unsigned(splat.peak, self.weight(radial));
         let product = lanes.keep(product, inside);
-        let product = lanes.clear(product, lanes.wide_greater(self.opacity_min, product));
+        let product = lanes.clear(product, lanes.greater(self.opacity_min, product));
         lanes.min_short(self.rounded(product, self.opacity), self.alpha_max)
     }
 
@@ -366,8 +393,8 @@ impl<'a, L: PixelWords, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
         let light = lanes.read(plane_of_light, x);
         if COUNTS {
             let finished = lanes.both(inside, lanes.marked(light));
-            counts.covered += u64::from(lanes.wide_flags(inside).count_ones());
-            counts.finished += u64::from(lanes.wide_flags(finished).count_ones());
+            counts.covered += u64::from(lanes.flags(inside).count_ones());
+            counts.finished += u64::from(lanes.flags(finished).count_ones());
         }
         let operator = self.operator();
         if operator & !EVEN == BACK_TO_FRONT || operator & !EVEN == X_RAY {
@@ -378,26 +405,26 @@ impl<'a, L: PixelWords, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
         let alpha = self.alpha(splat, radial, inside);
         // A finished pixel gives no more light.
         let left = lanes.clear(light, lanes.marked(light));
-        let share = self.rounded(lanes.wide_mul_unsigned(left, alpha), self.share);
-        let rest = lanes.wide_sub(light, share);
-        let stop = lanes.wide_greater(self.stop, rest);
+        let share = self.rounded(lanes.mul_unsigned(left, alpha), self.share);
+        let rest = lanes.sub(light, share);
+        let stop = lanes.greater(self.stop, rest);
         let marks = lanes.keep(self.mark, stop);
         let (share, after) = if operator & !EVEN == OMIT_FINISHING {
             let share = lanes.clear(share, stop);
-            (share, lanes.wide_sub(light, share))
+            (share, lanes.sub(light, share))
         } else {
             (share, rest)
         };
-        lanes.write(plane_of_light, x, lanes.wide_or(after, marks));
+        lanes.write(plane_of_light, x, lanes.or(after, marks));
         for (plane, colour) in colours.iter_mut().zip(splat.colour) {
-            let product = lanes.wide_mul_unsigned(share, colour);
+            let product = lanes.mul_unsigned(share, colour);
             let sum = lanes.read(plane, x);
             let sum = if self.operator() & EVEN == 0 {
-                lanes.wide_add(sum, self.rounded(product, self.colour))
+                lanes.add(sum, self.rounded(product, self.colour))
             } else {
                 // The sum is what is rounded.
-                let sum = lanes.wide_shl(sum, self.colour.by);
-                self.rounded(lanes.wide_add(sum, product), self.colour)
+                let sum = lanes.shl(sum, self.colour.by);
+                self.rounded(lanes.add(sum, product), self.colour)
             };
             lanes.write(plane, x, sum);
         }
@@ -415,29 +442,29 @@ impl<'a, L: PixelWords, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
         row: &mut Row<u64>,
     ) {
         let (lanes, operator) = (self.lanes, self.operator());
-        let hidden = |word: L::Word| self.rounded(lanes.wide_mul_unsigned(word, alpha), self.share);
+        let hidden = |word: L::Word| self.rounded(lanes.mul_unsigned(word, alpha), self.share);
         let [plane_of_light, colours @ ..] = row;
         let light = lanes.read(plane_of_light, x);
         let rest = if operator & !EVEN == X_RAY {
-            let taken = self.rounded(lanes.wide_shl(alpha, self.raised), self.light);
-            let rest = lanes.wide_sub(light, taken);
+            let taken = self.rounded(lanes.shl(alpha, self.raised), self.light);
+            let rest = lanes.sub(light, taken);
             lanes.clear(rest, lanes.marked(rest))
         } else {
-            lanes.wide_sub(light, hidden(light))
+            lanes.sub(light, hidden(light))
         };
         // Marks beyond the tile stay.
-        lanes.write(plane_of_light, x, lanes.wide_select(light, rest, inside));
+        lanes.write(plane_of_light, x, lanes.select(light, rest, inside));
         for (plane, colour) in colours.iter_mut().zip(splat.colour) {
-            let layer = self.rounded(lanes.wide_mul_unsigned(alpha, colour), self.layer);
+            let layer = self.rounded(lanes.mul_unsigned(alpha, colour), self.layer);
             let sum = lanes.read(plane, x);
             let sum = if operator & !EVEN == X_RAY {
                 sum
             } else {
-                lanes.wide_sub(sum, hidden(sum))
+                lanes.sub(sum, hidden(sum))
             };
-            let sum = lanes.wide_add(sum, layer);
-            let full = lanes.wide_greater(sum, self.last);
-            lanes.write(plane, x, lanes.wide_select(sum, self.last, full));
+            let sum = lanes.add(sum, layer);
+            let full = lanes.greater(sum, self.last);
+            lanes.write(plane, x, lanes.select(sum, self.last, full));
         }
     }
 
@@ -448,10 +475,10 @@ impl<'a, L: PixelWords, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
         let half = if self.operator() & EVEN == 0 {
             shift.half
         } else {
-            let odd = lanes.wide_and(lanes.wide_shr(product, shift.by), shift.odd);
-            lanes.wide_add(shift.half, odd)
+            let odd = lanes.and(lanes.shr(product, shift.by), shift.odd);
+            lanes.add(shift.half, odd)
         };
-        lanes.wide_shr(lanes.wide_add(product, half), shift.by)
+        lanes.shr(lanes.add(product, half), shift.by)
     }
 
     /// The kernel at raised radial indices inside the footprint; anything elsewhere.
@@ -459,16 +486,16 @@ impl<'a, L: PixelWords, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
     fn weight(&self, radial: L::Word) -> L::Word {
         let lanes = self.lanes;
         let radial = lanes.clear(radial, lanes.marked(radial));
-        let interval = lanes.intervals(self.falls, lanes.wide_shr(radial, self.interval));
-        let position = lanes.wide_and(lanes.wide_shr(radial, self.position), self.position_mask);
+        let interval = lanes.intervals(self.falls, lanes.shr(radial, self.interval));
+        let position = lanes.and(lanes.shr(radial, self.position), self.position_mask);
         // The product sees the lower half, the fall.
-        let fall = lanes.wide_add(lanes.wide_mul_unsigned(interval, position), self.kept_half);
-        let fall = lanes.wide_shr(fall, self.kept);
-        lanes.wide_sub(lanes.wide_shr(interval, self.entry), fall)
+        let fall = lanes.add(lanes.mul_unsigned(interval, position), self.kept_half);
+        let fall = lanes.shr(fall, self.kept);
+        lanes.sub(lanes.shr(interval, self.entry), fall)
     }
 }
 
-impl<L: PixelWords, const OPERATOR: u8> PixelPath for WordPixels<'_, L, OPERATOR> {
+impl<L: Lanes, const OPERATOR: u8> PixelPath for WordPixels<'_, L, OPERATOR> {
     type Word = u64;
     type Splat = SplatWords<L>;
 
@@ -477,23 +504,23 @@ impl<L: PixelWords, const OPERATOR: u8> PixelPath for WordPixels<'_, L, OPERATOR
         let lanes = self.lanes;
         let width = L::WIDE as i64;
         let second = second << self.raise;
-        let seconds = lanes.wide_splat(second);
+        let seconds = lanes.splat(second);
         let pairs: [i64; 8] = [0, 0, 1, 3, 6, 10, 15, 21];
-        let along = lanes.multiples(lanes.wide_splat(second.wrapping_mul(width)));
-        let whole = lanes.wide_splat(second.wrapping_mul(width * (width - 1) / 2));
+        let along = lanes.multiples(lanes.splat(second.wrapping_mul(width)));
+        let whole = lanes.splat(second.wrapping_mul(width * (width - 1) / 2));
         SplatWords {
-            end: lanes.wide_splat(numbers.end),
-            peak: lanes.wide_splat(numbers.peak.into()),
+            end: lanes.splat(numbers.end),
+            peak: lanes.splat(numbers.peak.into()),
             colour: [
-                lanes.wide_splat(numbers.colour[0].into()),
-                lanes.wide_splat(numbers.colour[1].into()),
-                lanes.wide_splat(numbers.colour[2].into()),
+                lanes.splat(numbers.colour[0].into()),
+                lanes.splat(numbers.colour[1].into()),
+                lanes.splat(numbers.colour[2].into()),
             ],
             ahead: [
-                lanes.wide_mul_whole(lanes.wide_load(&pairs), seconds),
-                lanes.wide_add(whole, along),
+                lanes.mul_whole(lanes.load(&pairs), seconds),
+                lanes.add(whole, along),
             ],
-            second: lanes.wide_splat(second.wrapping_mul(width * width)),
+            second: lanes.splat(second.wrapping_mul(width * width)),
         }
     }
 
@@ -509,7 +536,7 @@ impl<L: PixelWords, const OPERATOR: u8> PixelPath for WordPixels<'_, L, OPERATOR
         let [mut radial, mut difference] = self.start(splat, pixels);
         let (mut x, mut rest) = (pixels.x, pixels.length);
         while rest > L::WIDE {
-            let inside = lanes.wide_greater(splat.end, radial);
+            let inside = lanes.greater(splat.end, radial);
             self.blend::<COUNTS>(splat, radial, inside, x, row, counts);
             [radial, difference] = self.step(splat, [radial, difference]);
             x += L::WIDE;
@@ -524,7 +551,7 @@ impl<L: PixelWords, const OPERATOR: u8> PixelPath for WordPixels<'_, L, OPERATOR
         let lanes = self.lanes;
         let columns = (0..usize::from(TILE[0])).step_by(L::WIDE);
         columns.fold(0, |all, x| {
-            let flags = lanes.wide_flags(lanes.marked(lanes.read(&row[0], x)));
+            let flags = lanes.flags(lanes.marked(lanes.read(&row[0], x)));
             all | u64::from(flags) << x
         })
     }

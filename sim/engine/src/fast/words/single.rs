@@ -109,13 +109,6 @@ impl SingleNumbers {
             end_of_colour: 1 << (widths.colour + widths.colour_range()),
         })
     }
-
-    /// Are colours within their format?
-    #[inline(always)]
-    pub fn fits(&self, splat: &SplatNumbers) -> bool {
-        let [red, green, blue] = splat.colour;
-        red.max(green).max(blue) <= self.end_of_colour
-    }
 }
 
 /// The same on vectors; what a splat would finish is left out if `OPERATOR` says so.
@@ -271,6 +264,13 @@ impl<L: Singles, const OPERATOR: u8> PixelPath for SinglePixels<'_, L, OPERATOR>
     type Word = f32;
     type Splat = SingleSplat<L>;
 
+    /// Are colours within their format?
+    #[inline(always)]
+    fn fits(&self, splat: &SplatNumbers) -> bool {
+        let [red, green, blue] = splat.colour;
+        red.max(green).max(blue) <= self.numbers.end_of_colour
+    }
+
     #[inline(always)]
     fn splat(&self, splat: &SplatNumbers, second: i64) -> SingleSplat<L> {
         let (lanes, numbers) = (self.lanes, self.numbers);
@@ -373,7 +373,7 @@ mod tests {
 
     use super::super::path::SHORT;
     use super::*;
-    use crate::fast::lanes::{Doubles, Portable, VectorLevel, VectorTask, dispatch_vectors};
+    use crate::fast::lanes::{Lanes, Portable, VectorLevel, VectorTask, dispatch_vectors};
     use crate::fast::tile::TILE;
     use crate::fast::words::tile::WordTile;
     use splatline::blend::{FINISHED, Pixel};
@@ -440,7 +440,7 @@ mod tests {
             }
         }
 
-        fn check<L: Doubles, const OPERATOR: u8>(mut self, lanes: L) -> u64 {
+        fn check<L: Lanes, const OPERATOR: u8>(mut self, lanes: L) -> u64 {
             let entries = gaussian::<{ splatline::kernel::entries(&WIDTHS) }>(
                 &WIDTHS,
                 self.rules.table_range,
@@ -519,7 +519,7 @@ mod tests {
         type Output = u64;
 
         #[inline(always)]
-        fn run<L: Doubles>(self, lanes: L) -> u64 {
+        fn run<L: Lanes>(self, lanes: L) -> u64 {
             if self.rules.omit_finishing {
                 self.check::<L, OMIT_FINISHING>(lanes)
             } else {

@@ -5,11 +5,9 @@
 //! those of painting, and whoever asked composites them.
 
 use super::path::{EVEN, PathNumbers, PixelPath, SplatWords, WordPixels};
-use crate::fast::lanes::VectorLevel;
-use crate::fast::lanes::sums::PixelSums;
-use crate::fast::lanes::words::PixelWords;
-use crate::fast::lanes::{VectorTask, dispatch_pixels};
+use crate::fast::lanes::{Lanes, VectorLevel, VectorTask, dispatch_pixels};
 use crate::fast::painter::TableMemory;
+use crate::fast::row_group::RowGroup;
 use crate::fast::rows::{Pixels, RowBatch, RuntimeRows};
 use crate::fast::tile::TILE;
 use splatline::footprint::Footprint;
@@ -77,27 +75,36 @@ impl VectorTask for VisitTask<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run<L: PixelSums>(self, lanes: L) {
+    fn run<L: Lanes>(self, lanes: L) {
         let OpacityVisitor { rows, path, .. } = self.visitor;
         let pixels = WordPixels::<L, EVEN>::new(lanes, path);
-        let (mut batch, mut memory) = (RowBatch::new(), [0; ROOM]);
+        let (mut group, mut batch) = (RowGroup::default(), RowBatch::new());
+        let mut memory = [0; ROOM];
         let left = self.window.first[0];
-        for index in self.list {
-            let footprint = &self.footprints[*index as usize];
-            let constants = rows.constants(footprint, &self.window);
-            let numbers = path.splat(footprint);
-            let Some(numbers) = numbers.filter(|_| batch.fill(lanes, &constants, left)) else {
-                (self.alone)(*index, self.take);
-                continue;
-            };
-            let splat = pixels.splat(&numbers, constants.second);
-            for row in 0..batch.rows() {
-                for block in batch.touched() {
-                    if let Some(run) = batch.block(block).run(row, left) {
-                        let place = [left + run.x as u16, constants.rows[0] + row as u16];
-                        opacities(&pixels, &splat, &run, &mut memory);
-                        (self.take)(*index, place, &memory[..run.length]);
+        for indices in self.list.chunks(L::WIDE) {
+            for (k, index) in indices.iter().enumerate() {
+                group.read(k, &self.footprints[*index as usize], &self.window);
+            }
+            let together = group.compute(lanes, &rows.widths(), left);
+            for (k, index) in indices.iter().enumerate() {
+                let footprint = &self.footprints[*index as usize];
+                let of_group = (&together, &group, k);
+                if let Some(numbers) = path.splat(footprint)
+                    && let Some((first, second)) =
+                        batch.fill(rows, of_group, footprint, (&self.window, left))
+                {
+                    let splat = pixels.splat(&numbers, second);
+                    for row in 0..batch.rows() {
+                        for block in batch.touched() {
+                            if let Some(run) = batch.block(block).run(row, left) {
+                                let place = [left + run.x as u16, first + row as u16];
+                                opacities(&pixels, &splat, &run, &mut memory);
+                                (self.take)(*index, place, &memory[..run.length]);
+                            }
+                        }
                     }
+                } else {
+                    (self.alone)(*index, self.take);
                 }
             }
         }
@@ -109,7 +116,7 @@ const ROOM: usize = TILE[0] as usize + 8;
 
 /// Writes the opacities of a run's pixels.
 #[inline(always)]
-fn opacities<L: PixelWords>(
+fn opacities<L: Lanes>(
     pixels: &WordPixels<L, EVEN>,
     splat: &SplatWords<L>,
     run: &Pixels,
@@ -122,7 +129,7 @@ fn opacities<L: PixelWords>(
         let Some(room) = opacities[from % ROOM..].first_chunk_mut() else {
             break;
         };
-        lanes.wide_store(room, pixels.alpha(splat, radial[0], inside));
+        lanes.store(room, pixels.alpha(splat, radial[0], inside));
         radial = pixels.step(splat, radial);
     }
 }
