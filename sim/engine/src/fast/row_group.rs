@@ -11,7 +11,7 @@ use super::row_words::{SeedWords, SquaredWidth, longest_rest};
 use super::rows::BLOCKS;
 use super::setup::number::{Word, power};
 use super::setup::real::{Real, Reals};
-use super::tile::TILE;
+use super::tile::{TILE, is_in_one_tile};
 use splatline::footprint::Footprint;
 use splatline::format::Widths;
 use splatline::math::SoftFloat;
@@ -70,9 +70,10 @@ impl Member {
 }
 
 impl RowGroup {
-    /// Takes a footprint as number `k`.
+    /// Takes a footprint as number `k`, for a window in one tile of the screen.
     #[inline(always)]
     pub fn read(&mut self, k: usize, footprint: &Footprint, window: &Window) {
+        debug_assert!(is_in_one_tile(window), "{window:?}");
         let (ldl, bounds) = (&footprint.ldl, Window::of(footprint));
         let visible = bounds.intersect(window);
         let ([x, y], [right, end]) = (visible.first, visible.end);
