@@ -59,7 +59,7 @@ pub fn draw_hybrid(
     let mut renderer = HybridRenderer::new(scene, camera, options.clone(), hybrid, engine)?;
     let facts = renderer.draw()?;
     let pixels = renderer.memory.pixels();
-    let (quantised, widths) = (&renderer.quantised, &options.design.widths);
+    let (quantised, widths) = (renderer.quantised(), &options.design.widths);
     Ok(HybridDrawing {
         drawing: FixedDrawing::new(quantised, widths, pixels, facts.frame),
         facts,
@@ -70,15 +70,11 @@ pub fn draw_hybrid(
 pub struct HybridRenderer<'a> {
     options: Options<'a>,
     hybrid: &'a Hybrid,
-    engine: PaintEngine,
-    quantised: QuantisedScene,
-    filter: PointFilter,
+    setup: HybridSetup,
     table: TableMemory,
     /// Draws where points are splats like others.
     painter: Box<dyn TilePainter>,
     memory: FrameMemory,
-    /// Is a splat a point? Written by the thread that sets it up.
-    is_point: Vec<AtomicBool>,
 }
 
 impl<'a> HybridRenderer<'a> {
@@ -103,32 +99,36 @@ impl<'a> HybridRenderer<'a> {
         };
         Ok(HybridRenderer {
             hybrid,
-            engine,
-            filter,
             table: TableMemory::new(widths, rules),
             painter: painter(rules, &options, engine, counts),
             memory: FrameMemory::default(),
-            is_point: quantised.splats.iter().map(|_| false.into()).collect(),
+            setup: HybridSetup {
+                design: options.design.in_fields(),
+                filter,
+                points: hybrid.points,
+                engine,
+                is_point: quantised.splats.iter().map(|_| false.into()).collect(),
+                quantised,
+            },
             options,
-            quantised,
         })
     }
 
     /// The scene in the kernel's formats.
     pub fn quantised(&self) -> &QuantisedScene {
-        &self.quantised
+        &self.setup.quantised
     }
 
     /// Draws a frame as a picture in double precision, converted without further rounding; one of another size is
     /// replaced. The error says that footprints are too large for a stamp.
     pub fn draw_picture(&mut self, picture: &mut Picture) -> Result<HybridFacts, String> {
-        let design = self.options.design;
         let facts = self.draw()?;
-        let [width, height] = self.quantised.view.viewport.map(usize::from);
+        let quantised = &self.setup.quantised;
+        let [width, height] = quantised.view.viewport.map(usize::from);
         if [picture.width, picture.height] != [width, height] {
             *picture = Picture::new(width, height);
         }
-        let convert = converter(&design.widths, self.quantised.colour_log2);
+        let convert = converter(&self.options.design.widths, quantised.colour_log2);
         self.memory.copy(&mut picture.pixels, convert);
         Ok(facts)
     }
@@ -138,26 +138,13 @@ impl<'a> HybridRenderer<'a> {
         let HybridRenderer {
             options,
             hybrid,
-            engine,
-            quantised,
-            filter,
+            setup,
             table,
             painter,
             memory,
-            is_point,
-            ..
         } = self;
-        let (design, widths) = (options.design.in_fields(), &options.design.widths);
+        let (quantised, table) = (&setup.quantised, table.table());
         let started = Instant::now();
-        let table = table.table();
-        let setup = HybridSetup {
-            design,
-            quantised,
-            filter,
-            points: hybrid.points,
-            engine: *engine,
-            is_point,
-        };
         let stamps = match hybrid.phase_bits {
             Some(bits) => setup.stamps(&table, bits)?,
             None => None,
@@ -166,14 +153,20 @@ impl<'a> HybridRenderer<'a> {
         let shape = stamps.as_ref().map(|(_, shape)| shape);
         let order = kernel_compositing(options.compositing);
         let among_points = PointTiles {
-            painter: Painter::new(design, &quantised.rules, table, order, Traversal::Spans),
+            painter: Painter::new(
+                setup.design,
+                &quantised.rules,
+                table,
+                order,
+                Traversal::Spans,
+            ),
             gathering: PointSettings {
                 range: depth_range(hybrid, quantised),
                 stamp: (stamps.as_ref()).and_then(|(words, shape)| Stamp::new(words, *shape)),
             },
             gathers: hybrid.depth_range.is_some(),
-            clear: Pixel::clear(widths),
-            is_point,
+            clear: Pixel::clear(&options.design.widths),
+            is_point: &setup.is_point,
         };
         // Without stamps and slabs points are splats like others, which the fast engine draws.
         let plain = stamps.is_none() && hybrid.depth_range.is_none();
@@ -201,7 +194,7 @@ impl<'a> HybridRenderer<'a> {
 
     /// Footprints drawn as points, and footprints in all.
     fn counts(&self) -> [usize; 2] {
-        let outcomes = self.memory.outcomes().par_iter().zip(&self.is_point);
+        let outcomes = self.memory.outcomes().par_iter().zip(&self.setup.is_point);
         let count = |(outcome, is_point): (&Outcome, &AtomicBool)| match outcome {
             Ok(footprint) if !Window::of(footprint).is_empty() => {
                 [is_point.load(Ordering::Relaxed).into(), 1]
@@ -222,16 +215,17 @@ fn depth_range(hybrid: &Hybrid, quantised: &QuantisedScene) -> u32 {
 }
 
 /// Setup of points and splats.
-struct HybridSetup<'a> {
+struct HybridSetup {
     design: RuntimeWidths,
-    quantised: &'a QuantisedScene,
-    filter: &'a PointFilter,
+    quantised: QuantisedScene,
+    filter: PointFilter,
     points: Points,
     engine: PaintEngine,
-    is_point: &'a [AtomicBool],
+    /// Is a splat a point? Written by the thread that sets it up.
+    is_point: Vec<AtomicBool>,
 }
 
-impl HybridSetup<'_> {
+impl HybridSetup {
     /// Sets up splats numbered from `first`. With stamps, boxes of points become those of their stamps: empty ones are
     /// not drawn.
     fn set_up(
@@ -249,7 +243,7 @@ impl HybridSetup<'_> {
             points += usize::from(is_point);
         }
         if points < splats.len() {
-            let QuantisedScene { view, rules, .. } = self.quantised;
+            let QuantisedScene { view, rules, .. } = &self.quantised;
             let vectors = self.engine.vectors();
             fast::set_up(self.design, view, rules, splats, outcomes, vectors);
         }
@@ -271,15 +265,15 @@ impl HybridSetup<'_> {
             Points::All => true,
             Points::None => false,
             Points::Auto => {
-                let QuantisedScene { view, rules, .. } = self.quantised;
+                let QuantisedScene { view, rules, .. } = &self.quantised;
                 is_minified(&self.design.widths(), view, rules, splat)
             }
         }
     }
 
     fn set_up_point(&self, splat: &VolumeSplat) -> Outcome {
-        let QuantisedScene { view, rules, .. } = self.quantised;
-        setup_point(self.design, view, rules, splat, self.filter)
+        let QuantisedScene { view, rules, .. } = &self.quantised;
+        setup_point(self.design, view, rules, splat, &self.filter)
     }
 
     /// The box of a point becomes that of its stamp.
@@ -296,11 +290,8 @@ impl HybridSetup<'_> {
         bits: u8,
     ) -> Result<Option<(Vec<u32>, StampShape)>, String> {
         let point = |splat: &VolumeSplat| {
-            if self.is_point(splat) {
-                self.set_up_point(splat).ok()
-            } else {
-                None
-            }
+            let is_point = self.is_point(splat);
+            is_point.then(|| self.set_up_point(splat).ok()).flatten()
         };
         let Some(point) = self.quantised.splats.par_iter().find_map_first(point) else {
             return Ok(None);
