@@ -1,6 +1,6 @@
 //! Tests of colour and of what is skipped.
 
-use super::super::look::look_at;
+use super::super::view::look_at;
 use super::*;
 use crate::camera::Camera;
 

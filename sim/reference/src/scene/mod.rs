@@ -14,7 +14,6 @@ mod gaussian;
 mod gltf;
 mod ksplat;
 mod load;
-mod look;
 mod nrrd;
 mod order;
 mod ply;
