@@ -8,7 +8,7 @@ use crate::cameras::lens::{Distortion, Lens};
 use crate::memory;
 use crate::picture::{Picture, png};
 use crate::scene::{LoadError, Problem};
-use anyhow::anyhow;
+use anyhow::{Context, anyhow, ensure};
 use std::path::Path;
 use zune_jpeg::JpegDecoder;
 use zune_jpeg::zune_core::bytestream::ZCursor;
@@ -81,12 +81,12 @@ pub fn load_photograph(path: &Path) -> Result<Picture, LoadError> {
                 pixels: read.texels.iter().map(opaque).collect(),
             });
         }
-        Picture::from_png(&bytes).map_err(|error| damaged(error.to_string()))
+        Picture::from_png(&bytes).map_err(damaged)
     };
     load().map_err(LoadError::about(path.display()))
 }
 
-fn damaged(reason: String) -> Problem {
+fn damaged(reason: Problem) -> Problem {
     anyhow!("picture: {reason}; give a sound .png or .jpg file")
 }
 
@@ -150,26 +150,26 @@ fn between(coordinate: f64, size: usize) -> ([usize; 2], f64) {
 
 fn decode(path: &Path) -> Result<Texture, Problem> {
     let bytes = crate::scene::read_file(path)?;
-    let texture = if bytes.starts_with(JPEG) {
-        from_jpeg(&bytes)
-    } else {
-        from_png(&bytes)
+    let texture = match bytes.starts_with(JPEG) {
+        true => from_jpeg(&bytes),
+        false => from_png(&bytes),
     };
-    let texture = texture.map_err(damaged)?;
-    if texture.texels.is_empty() {
-        return Err(damaged("it has no texels".to_owned()));
-    }
-    Ok(texture)
+    let some = texture.and_then(|texture| {
+        ensure!(!texture.texels.is_empty(), "it has no texels");
+        Ok(texture)
+    });
+    some.map_err(damaged)
 }
 
 /// What a JPEG file begins with.
 const JPEG: &[u8] = &[0xff, 0xd8, 0xff];
 
-fn from_png(bytes: &[u8]) -> Result<Texture, String> {
-    let picture = png::decode(bytes).map_err(|error| error.to_string())?;
-    if picture.width.max(picture.height) > LARGEST_SIDE {
-        return Err(format!("a side has more than {LARGEST_SIDE} texels"));
-    }
+fn from_png(bytes: &[u8]) -> Result<Texture, Problem> {
+    let picture = png::decode(bytes)?;
+    ensure!(
+        picture.width.max(picture.height) <= LARGEST_SIDE,
+        "a side has more than {LARGEST_SIDE} texels"
+    );
     let texel = |[r, g, b, _]: &[u16; 4]| [r, g, b].map(|value| f64::from(*value) / 65535.0);
     Ok(Texture {
         width: picture.width,
@@ -179,22 +179,19 @@ fn from_png(bytes: &[u8]) -> Result<Texture, String> {
 }
 
 /// As other readers do, small faults of a photograph are overlooked.
-fn from_jpeg(bytes: &[u8]) -> Result<Texture, String> {
+fn from_jpeg(bytes: &[u8]) -> Result<Texture, Problem> {
     let options = DecoderOptions::default()
         .set_strict_mode(false)
         .set_max_width(LARGEST_SIDE)
         .set_max_height(LARGEST_SIDE)
         .jpeg_set_out_colorspace(ColorSpace::RGB);
     let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options);
-    decoder
-        .decode_headers()
-        .map_err(|error| error.to_string())?;
-    let (width, height) = decoder.dimensions().ok_or("it has no size")?;
+    decoder.decode_headers()?;
+    let (width, height) = decoder.dimensions().context("it has no size")?;
     let what = format!("{width} x {height} texels");
     let each = 6 + size_of::<[f64; 3]>();
-    memory::room_for_records((width * height) as u64, each, &what)
-        .map_err(|error| error.to_string())?;
-    let samples = decoder.decode().map_err(|error| error.to_string())?;
+    memory::room_for_records((width * height) as u64, each, &what)?;
+    let samples = decoder.decode()?;
     let texel = |texel: &[u8]| [0, 1, 2].map(|c: usize| f64::from(texel[c]) / 255.0);
     Ok(Texture {
         width,
