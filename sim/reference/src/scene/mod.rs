@@ -34,7 +34,7 @@ mod damage_tests;
 #[cfg(test)]
 mod format_tests;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
 pub use error::{LoadError, Problem};
 pub use load::{LoadOptions, Loaded, demo, load, load_with_notes};

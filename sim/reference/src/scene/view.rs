@@ -136,4 +136,4 @@ fn largest(extents: [f64; 3]) -> f64 {
 
 #[cfg(test)]
 #[path = "view_tests.rs"]
-mod tests;
+pub(crate) mod tests;

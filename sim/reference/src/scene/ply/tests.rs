@@ -214,7 +214,7 @@ fn absurd_counts_are_refused_at_once() {
 #[test]
 #[cfg_attr(
     not(has_data),
-    ignore = "the shared data were not beside the project when this was built"
+    ignore = "built without the shared data beside the project"
 )]
 fn a_point_cloud_is_told_that_surface_splats_come_later() {
     let bytes = header(
