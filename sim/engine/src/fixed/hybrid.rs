@@ -1,7 +1,7 @@
 //! Points and splats through the kernel, frame after frame in the same memory: choice, setup, order, slabs, stamps.
 
 use super::quantise::{QuantisedScene, kernel_compositing, scaled};
-use super::render::{CHECK_INTERVAL, FixedDrawing, Options, PaintEngine, best_engine, painter};
+use super::render::{CHECK_INTERVAL, Options, PaintEngine, painter};
 use crate::camera::Camera;
 use crate::fast::frame::{FrameFacts, FrameMemory, FramePlan};
 use crate::fast::setup::{self as fast, Outcome};
@@ -24,15 +24,6 @@ use splatline::target::Target;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-/// A drawing with the share of points.
-#[derive(Clone, Debug)]
-pub struct HybridDrawing {
-    /// The drawing.
-    pub drawing: FixedDrawing,
-    /// What its frame did.
-    pub facts: HybridFacts,
-}
-
 /// What a frame did beside its pixels.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct HybridFacts {
@@ -42,31 +33,9 @@ pub struct HybridFacts {
     pub points: usize,
     /// Footprints in all.
     pub drawn: usize,
-    /// Words of stamp memory.
-    pub stamp_words: usize,
 }
 
-/// Draws a scene of spherical kernels as points and splats. The options' rules need a spacing and a constant cut-off.
-///
-/// The error says what the rules lack, or that footprints are too large for a stamp.
-pub fn draw_hybrid(
-    scene: &Scene,
-    camera: &Camera,
-    options: &Options,
-    hybrid: &Hybrid,
-) -> Result<HybridDrawing, String> {
-    let engine = (best_engine(), true);
-    let mut renderer = HybridRenderer::new(scene, camera, options.clone(), hybrid, engine)?;
-    let facts = renderer.draw()?;
-    let pixels = renderer.memory.pixels();
-    let (quantised, widths) = (renderer.quantised(), &options.design.widths);
-    Ok(HybridDrawing {
-        drawing: FixedDrawing::new(quantised, widths, pixels, facts.frame),
-        facts,
-    })
-}
-
-/// A scene of spherical kernels with all that its frames need.
+/// A scene of spherical kernels with all that its frames of points and splats need.
 pub struct HybridRenderer<'a> {
     options: Options<'a>,
     hybrid: &'a Hybrid,
@@ -78,8 +47,9 @@ pub struct HybridRenderer<'a> {
 }
 
 impl<'a> HybridRenderer<'a> {
-    /// The scene in the kernel's formats, drawn by an engine that counts pixels or not. Frames are drawn by the rayon
-    /// pool that they are asked for in. The error says what the rules lack.
+    /// The scene in the kernel's formats, drawn by an engine that counts pixels or not. The options' rules need a
+    /// spacing and a constant cut-off; the error says what they lack. Frames are drawn by the rayon pool that they are
+    /// asked for in.
     pub fn new(
         scene: &Scene,
         camera: &Camera,
@@ -182,13 +152,11 @@ impl<'a> HybridRenderer<'a> {
             unreachable!("nobody cancels")
         };
         frame.times.setup += stamped_at;
-        let stamp_words = stamps.map_or(0, |(words, _)| words.len());
         let [points, drawn] = self.counts();
         Ok(HybridFacts {
             frame,
             points,
             drawn,
-            stamp_words,
         })
     }
 

@@ -18,7 +18,7 @@ pub mod surface;
 pub use crate::fast::{table, table_entries};
 pub use frame::converter;
 pub use harmonics::harmonic_colours;
-pub use hybrid::{HybridDrawing, HybridFacts, HybridRenderer, draw_hybrid};
+pub use hybrid::{HybridFacts, HybridRenderer};
 pub use maps::draw_maps;
 pub use quantise::{QuantisedScene, kernel_compositing, kernel_rules, scaled};
 pub use render::{
