@@ -98,32 +98,38 @@ pub fn undistorted(photograph: &Picture, lens: &Lens) -> Picture {
     }
     let size = [photograph.width, photograph.height];
     let scale = [0, 1].map(|axis: usize| size[axis] as f64 / lens.size[axis] as f64);
-    let mut straight = Picture::new(size[0], size[1]);
-    for (at, pixel) in straight.pixels.iter_mut().enumerate() {
-        let centre = [at % size[0], at / size[0]].map(|place| place as f64 + 0.5);
+    resampled(photograph, size, |centre| {
         let direction = lens.pinhole_direction([centre[0] / scale[0], centre[1] / scale[1]]);
         let seen = lens.pixel(direction);
         let place = [seen[0] * scale[0], seen[1] * scale[1]];
-        if (0..2).all(|axis| (0.0..size[axis] as f64).contains(&place[axis])) {
-            *pixel = bilinear(&photograph.pixels, size, place);
-        }
-    }
-    straight
+        let inside = (0..2).all(|axis| (0.0..size[axis] as f64).contains(&place[axis]));
+        inside.then_some(place)
+    })
 }
 
 /// What a lens shows of a picture that its wider pinhole ([`Lens::pinhole`]) has drawn; transparent where it shows
 /// nothing.
 pub fn distorted(drawn: &Picture, pinhole: &Camera, lens: &Lens) -> Picture {
-    let size = lens.size.map(|side| side as usize);
-    let mut bent = Picture::new(size[0], size[1]);
-    for (at, pixel) in bent.pixels.iter_mut().enumerate() {
-        let centre = [at % size[0], at / size[0]].map(|place| place as f64 + 0.5);
-        if let Some([x, y]) = lens.direction(centre) {
-            let place = [pinhole.fx * x + pinhole.cx, pinhole.fy * y + pinhole.cy];
-            *pixel = bilinear(&drawn.pixels, [drawn.width, drawn.height], place);
+    resampled(drawn, lens.size.map(|side| side as usize), |centre| {
+        let [x, y] = lens.direction(centre)?;
+        Some([pinhole.fx * x + pinhole.cx, pinhole.fy * y + pinhole.cy])
+    })
+}
+
+/// A picture of what another one shows at the place that belongs to each pixel's centre; transparent without a place.
+fn resampled(
+    shown: &Picture,
+    [width, height]: [usize; 2],
+    place: impl Fn([f64; 2]) -> Option<[f64; 2]>,
+) -> Picture {
+    let mut picture = Picture::new(width, height);
+    for (at, pixel) in picture.pixels.iter_mut().enumerate() {
+        let centre = [at % width, at / width].map(|place| place as f64 + 0.5);
+        if let Some(place) = place(centre) {
+            *pixel = bilinear(&shown.pixels, [shown.width, shown.height], place);
         }
     }
-    bent
+    picture
 }
 
 /// Bilinear interpolation between pixels; beyond the border the border's.
