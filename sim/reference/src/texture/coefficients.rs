@@ -85,8 +85,8 @@ impl SamplePoint {
     }
 }
 
-/// Coefficients of `points` on `texture`, one colour per point; the optimised ones may leave 0 to 1 on either side of an
-/// edge. The basis functions end where the radial index reaches `cutoff`, as in the drawing.
+/// Coefficients of `points` on `texture`, one colour per point; the optimised ones may leave 0 to 1 on either side of
+/// an edge. The basis functions end where the radial index reaches `cutoff`, as in the drawing.
 pub fn coefficients(
     texture: &Texture,
     points: &[SamplePoint],
