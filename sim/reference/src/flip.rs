@@ -17,6 +17,7 @@
 
 use crate::metrics::stored;
 use crate::picture::Picture;
+use crate::vector::transform;
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
@@ -119,10 +120,6 @@ impl Seen {
             features: features(&lightness, size, pixels_per_degree),
         }
     }
-}
-
-fn transform(matrix: &[[f64; 3]; 3], colour: [f64; 3]) -> [f64; 3] {
-    matrix.map(|row| (0..3).map(|i| row[i] * colour[i]).sum())
 }
 
 /// sRGB to linear light.

@@ -3,18 +3,11 @@
 
 use super::*;
 use crate::scene::synthetic::random_gaussians;
-use crate::scene::{LoadOptions, load};
-use std::path::Path;
+use crate::scene::tests::{is_in_view, load_plain, shared_data};
 
 /// Does every place of the ball project into the picture, beyond the near plane?
 fn all_in_view(places: &[Vector], camera: &Camera) -> bool {
-    places.iter().all(|place| {
-        let [x, y, z] = camera.to_camera(*place);
-        let (u, v) = (camera.fx * x / z + camera.cx, camera.fy * y / z + camera.cy);
-        z > camera.near
-            && (0.0..camera.width as f64).contains(&u)
-            && (0.0..camera.height as f64).contains(&v)
-    })
+    places.iter().all(|place| is_in_view(camera, *place))
 }
 
 fn centres(scene: &Scene) -> Vec<Vector> {
@@ -148,25 +141,13 @@ fn orbits_keep_the_distance_and_turn_the_right_way() {
     // Seen from above, counter-clockwise from the south is the east.
     assert!(near(quarter(90.0, 0.0), [1.0, 0.0, 0.0]));
     assert!((quarter(0.0, 30.0)[2] - 0.5).abs() < 1e-12);
-    let eye = orbited(
-        [3.0, 0.0, 4.0],
-        [0.0; 3],
-        up,
-        Orbit {
-            azimuth: 180.0,
-            elevation: 0.0,
-        },
-    );
+    let moved = |azimuth, elevation| {
+        let orbit = Orbit { azimuth, elevation };
+        orbited([3.0, 0.0, 4.0], [0.0; 3], up, orbit)
+    };
+    let eye = moved(180.0, 0.0);
     assert!(near(eye, [-3.0, 0.0, 4.0]), "{eye:?}");
-    let pole = orbited(
-        [3.0, 0.0, 4.0],
-        [0.0; 3],
-        up,
-        Orbit {
-            azimuth: 0.0,
-            elevation: 500.0,
-        },
-    );
+    let pole = moved(0.0, 500.0);
     assert!((vector::length(pole) - 5.0).abs() < 1e-12 && pole[2] < 5.0);
 }
 
@@ -200,17 +181,16 @@ fn no_camera_is_placed_where_squares_overflow() {
 #[test]
 #[cfg_attr(
     not(has_data),
-    ignore = "the shared data were not beside the project when this was built"
+    ignore = "built without the shared data beside the project"
 )]
 fn captured_scenes_are_shown_whole() {
-    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data"));
     for file in [
         "gaussians/guitar.ply",
         "gaussians/playbot_lod4.ply",
         "volumes/headsq.nhdr",
         "volumes/fuel.nhdr",
     ] {
-        let scene = load(&folder.join(file), &LoadOptions::default()).unwrap();
+        let scene = load_plain(&shared_data(file));
         let frame = FramingInput::of_scene(&scene, None);
         let camera = frame.camera(None, USUAL_FOV, 512, 384).unwrap();
         let shown = centres(&scene)
@@ -224,7 +204,7 @@ fn captured_scenes_are_shown_whole() {
         );
         assert_eq!(shown + frame.ball.strays, scene.splats.len(), "{file}");
     }
-    let cloud = crate::scene::points::load(&folder.join("points/lion_takanawa.ply")).unwrap();
+    let cloud = crate::scene::points::load(&shared_data("points/lion_takanawa.ply")).unwrap();
     let frame = FramingInput::of_surface(&cloud, false, None);
     let camera = frame.camera(None, USUAL_FOV, 512, 384).unwrap();
     let places: Vec<Vector> = cloud.points.iter().map(|point| point.centre).collect();
@@ -254,12 +234,8 @@ fn a_frame_looks_the_way_of_the_default_camera_and_shows_no_less() {
             let usual = scene.default_camera(width, height);
             let frame = FramingInput::of_scene(scene, None);
             let framed = frame.camera(None, USUAL_FOV, width, height).unwrap();
-            for (a, b) in usual
-                .rotation
-                .as_flattened()
-                .iter()
-                .zip(framed.rotation.as_flattened())
-            {
+            let rotations = [&usual, &framed].map(|camera| camera.rotation.as_flattened());
+            for (a, b) in rotations[0].iter().zip(rotations[1]) {
                 assert!((a - b).abs() < 1e-9, "{}: {usual:?} {framed:?}", scene.name);
             }
             assert!(all_in_view(&centres(scene), &framed), "{}", scene.name);

@@ -254,7 +254,7 @@ fn channel_error(
     inside.append(&mut outside);
     let (ssim, ssim_covered) = ssim(fixed, float, brightness);
     ChannelError {
-        psnr_db: psnr(whole.most, whole.mean_square()),
+        psnr_db: whole.psnr_db(),
         identical: whole.most == 0.0,
         max_abs: whole.most,
         percentiles: Percentiles::of(&mut inside),
@@ -263,7 +263,7 @@ fn channel_error(
         ssim,
         covered: CoveredError {
             pixels: covered.samples / channels.len(),
-            psnr_db: psnr(covered.most, covered.mean_square()),
+            psnr_db: covered.psnr_db(),
             percentiles: of_covered,
             bias: covered.mean(),
             ssim: ssim_covered,
@@ -297,16 +297,13 @@ impl SampleSums {
         self.sum / self.samples.max(1) as f64
     }
 
-    fn mean_square(&self) -> f64 {
-        self.squares / self.samples.max(1) as f64
-    }
-}
-
-/// Differences so small that their squares vanish (below 1e-154) are not identical; they get the largest finite PSNR.
-fn psnr(max_abs: f64, mean_square: f64) -> f64 {
-    if max_abs == 0.0 {
-        f64::INFINITY
-    } else {
+    /// Differences so small that their squares vanish (below 1e-154) are not identical; they get the largest finite
+    /// PSNR.
+    fn psnr_db(&self) -> f64 {
+        if self.most == 0.0 {
+            return f64::INFINITY;
+        }
+        let mean_square = self.squares / self.samples.max(1) as f64;
         -10.0 * mean_square.max(f64::MIN_POSITIVE).log10()
     }
 }

@@ -50,6 +50,11 @@ fn plane(picture: &Picture, value: impl Fn(&[f64; 4]) -> f64) -> Vec<Vec<f64>> {
         .collect()
 }
 
+/// How far the colours of two pictures are apart.
+fn colour_error(fixed: &Picture, float: &Picture) -> ChannelError {
+    compare(fixed, float).unwrap().colour
+}
+
 fn close(a: f64, b: f64, tolerance: f64) -> bool {
     (a - b).abs() <= tolerance
 }
@@ -84,9 +89,7 @@ fn empty_background_does_not_dilute_the_covered_figures() {
     };
     let mut last = 0.0;
     for size in [40, 80, 160] {
-        let errors = compare(&drawn(size, 0.01), &drawn(size, 0.0))
-            .unwrap()
-            .colour;
+        let errors = colour_error(&drawn(size, 0.01), &drawn(size, 0.0));
         let covered = errors.covered;
         assert_eq!(covered.pixels, 24 * 18);
         assert!(close(covered.psnr_db, 40.0, 1e-9), "{covered:?}");
@@ -134,63 +137,53 @@ fn bias_is_signed_and_the_largest_difference_is_located() {
     assert_eq!(at(errors.alpha.max_at), (8, 5, 3));
     assert!(close(errors.colour.bias, -0.25 / (3.0 * 63.0), 1e-15));
     assert!(close(errors.alpha.bias, 0.25 / 63.0, 1e-15));
-    assert_eq!(
-        compare(&float, &fixed).unwrap().alpha.bias,
-        -errors.alpha.bias
-    );
+    let back = compare(&float, &fixed).unwrap();
+    assert_eq!(back.alpha.bias, -errors.alpha.bias);
 }
 
 #[test]
 fn values_are_clamped_as_stored_but_not_quantised() {
     let float = picture(3, 3, |_, _, _| 1.0);
-    assert_eq!(
-        compare(&picture(3, 3, |_, _, _| 7.0), &float)
-            .unwrap()
-            .colour
-            .psnr_db,
-        f64::INFINITY
-    );
-    let near = compare(&picture(3, 3, |_, _, _| 1.0 - 1e-7), &float).unwrap();
-    assert!(close(near.colour.psnr_db, 140.0, 1e-6));
+    let psnr = |value: f64| colour_error(&picture(3, 3, |_, _, _| value), &float).psnr_db;
+    assert_eq!(psnr(7.0), f64::INFINITY);
+    assert!(close(psnr(1.0 - 1e-7), 140.0, 1e-6));
 }
 
 #[test]
 fn a_difference_whose_square_vanishes_is_not_called_identical() {
     let mut fixed = Picture::new(2, 2);
     fixed.pixels[0][0] = 1e-200;
-    assert!(
-        compare(&fixed, &Picture::new(2, 2))
-            .unwrap()
-            .colour
-            .psnr_db
-            .is_finite()
-    );
+    let found = colour_error(&fixed, &Picture::new(2, 2));
+    assert!(found.psnr_db.is_finite());
 }
 
 #[test]
 fn pictures_that_cannot_be_compared_are_refused_by_name() {
     let good = Picture::new(4, 3);
-    let message = |fixed: &Picture, float: &Picture| compare(fixed, float).unwrap_err().to_string();
-    assert_eq!(
-        message(&Picture::new(3, 4), &good),
-        "the pictures differ in size: fixed is 3x4, float is 4x3"
-    );
-    assert_eq!(
-        message(&Picture::new(0, 5), &Picture::new(0, 5)),
-        "the pictures have no pixels"
-    );
-    let mut bad = good.clone();
+    let (mut bad, mut short) = (good.clone(), good.clone());
     bad.pixels[6][1] = f64::NAN;
-    assert_eq!(
-        message(&good, &bad),
-        "the float picture holds NaN in channel 1 of pixel (2, 1)"
-    );
-    let mut short = good.clone();
     short.pixels.pop();
-    assert_eq!(
-        message(&short, &good),
-        "the fixed picture holds 11 pixels where its size asks for 12"
-    );
+    let [turned, empty] = [[3, 4], [0, 5]].map(|[width, height]| Picture::new(width, height));
+    for (fixed, float, expected) in [
+        (
+            &turned,
+            &good,
+            "the pictures differ in size: fixed is 3x4, float is 4x3",
+        ),
+        (&empty, &empty, "the pictures have no pixels"),
+        (
+            &good,
+            &bad,
+            "the float picture holds NaN in channel 1 of pixel (2, 1)",
+        ),
+        (
+            &short,
+            &good,
+            "the fixed picture holds 11 pixels where its size asks for 12",
+        ),
+    ] {
+        assert_eq!(compare(fixed, float).unwrap_err().to_string(), expected);
+    }
 }
 
 proptest! {
@@ -254,12 +247,12 @@ fn percentiles_are_those_of_the_sorted_samples() {
             0.0
         }
     });
-    let colour = compare(&fixed, &float).unwrap().colour;
+    let colour = colour_error(&fixed, &float);
     assert_eq!(colour.percentiles.p95, 0.25);
     assert_eq!(colour.covered.percentiles.p95, 0.25);
     let two_thirds = picture(100, 1, |x, _, c| if c == 0 && x < 4 { 0.5 } else { 0.0 });
     let nothing = picture(100, 1, |_, _, _| 0.0);
-    let colour = compare(&two_thirds, &nothing).unwrap().colour;
+    let colour = colour_error(&two_thirds, &nothing);
     assert_eq!((colour.percentiles.p95, colour.percentiles.p99), (0.0, 0.5));
 }
 
@@ -279,10 +272,7 @@ fn similarity_to_a_photograph_is_the_trainers() {
     // Without zeros around and of one channel alone: what scikit-image calls structural similarity with Gaussian
     // weights.
     let grey = |p: &Picture| picture(24, 17, |x, y, _| p.pixels[24 * y + x][0]);
-    let inside = compare(&grey(&drawn), &grey(&photograph))
-        .unwrap()
-        .colour
-        .ssim;
+    let inside = colour_error(&grey(&drawn), &grey(&photograph)).ssim;
     assert!(close(inside, SCIKIT_SSIM, 1e-9), "{inside}");
 }
 

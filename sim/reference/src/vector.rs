@@ -48,6 +48,16 @@ pub fn unit(a: Vector) -> Option<Vector> {
     (length.is_finite() && length > 0.0).then(|| a.map(|coordinate| coordinate / length))
 }
 
+/// The matrix with these entries on its diagonal.
+pub fn diagonal([x, y, z]: Vector) -> [Vector; 3] {
+    [[x, 0.0, 0.0], [0.0, y, 0.0], [0.0, 0.0, z]]
+}
+
+/// The columns of a row-major matrix, each times a factor of its own: the axes of a turned Gaussian of these scales.
+pub fn scaled_columns(rows: &[Vector; 3], scales: Vector) -> [Vector; 3] {
+    [0, 1, 2].map(|k| [0, 1, 2].map(|row: usize| rows[row][k] * scales[k]))
+}
+
 /// The product of a row-major matrix and a column vector.
 pub fn transform(rows: &[Vector; 3], a: Vector) -> Vector {
     [dot(rows[0], a), dot(rows[1], a), dot(rows[2], a)]

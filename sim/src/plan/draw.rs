@@ -114,8 +114,7 @@ impl Prepared {
                     counts,
                 };
                 let camera = &self.plan.camera;
-                let points = QuantisedPoints::new(scene, camera);
-                let mut renderer = SurfaceRenderer::new(points, scene, camera, &options);
+                let mut renderer = SurfaceRenderer::new(scene, camera, &options);
                 Drawer::Others(Box::new(move |picture| {
                     Ok(draw_surface(&mut renderer, style, picture))
                 }))

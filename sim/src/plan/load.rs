@@ -222,8 +222,7 @@ impl Source {
         let shown = photograph.display().to_string();
         doing(format!("{} colours from {shown}", method.name()));
         let cutoff = Style::opaque(0.0).cutoff;
-        let draped = drape(&field, &name, &texture, *method, cutoff).context(shown)?;
-        Ok(draped.scene)
+        drape(&field, &name, &texture, *method, cutoff).context(shown)
     }
 }
 

@@ -3,7 +3,7 @@
 //! Footprints and opacities are the design's; only the pixel differs. Nothing finishes early: the channel shows all of
 //! its error.
 
-use super::frame::{TileLists, paint_apart};
+use super::frame::{TileLists, paint_apart, to_picture};
 use super::quantise::QuantisedScene;
 use super::render::{Options, PaintEngine, seen};
 use crate::camera::Camera;
@@ -80,22 +80,15 @@ pub fn draw(
     let viewport = quantised.view.viewport;
     let tiles = TileLists::by_key(&footprints, viewport, &|layer, _| layer.into());
     let (pixels, _) = paint_apart(DeepPixel::clear(&channel), &tiles, &paint);
-    to_picture(&pixels, &quantised, &channel)
+    let colour_unit = f64::from(channel.width() as i32 - 1 - quantised.colour_log2).exp2();
+    to_picture(&pixels, viewport, |pixel| {
+        let [r, g, b] = pixel.colour.map(|c| f64::from(c) / colour_unit);
+        let transmittance = f64::from(channel.transmittance(pixel.alpha)) / 31f64.exp2();
+        [r, g, b, 1.0 - transmittance]
+    })
 }
 
 /// The nearest splat first, ties as they come.
 pub(super) fn sort_by_depth(seen: &mut [(usize, Footprint)]) {
     seen.par_sort_by_key(|(_, footprint)| footprint.depth);
-}
-
-fn to_picture(pixels: &[DeepPixel], quantised: &QuantisedScene, channel: &Channel) -> Picture {
-    let colour_unit = f64::from(channel.width() as i32 - 1 - quantised.colour_log2).exp2();
-    let [width, height] = quantised.view.viewport.map(usize::from);
-    let mut picture = Picture::new(width, height);
-    for (out, pixel) in picture.pixels.iter_mut().zip(pixels) {
-        let [r, g, b] = pixel.colour.map(|c| f64::from(c) / colour_unit);
-        let transmittance = f64::from(channel.transmittance(pixel.alpha)) / 31f64.exp2();
-        *out = [r, g, b, 1.0 - transmittance];
-    }
-    picture
 }

@@ -4,7 +4,6 @@
 //! them. All of them cut the screen into a [`Grid`], list each tile's splats, paint the tiles on all cores and join
 //! them; the picture is the same whatever the tiles.
 
-use super::quantise::QuantisedScene;
 use crate::fast::TILE;
 use crate::fast::order::{Grid, Key, part_length, tile_lists};
 use crate::picture::Picture;
@@ -77,10 +76,13 @@ pub(super) fn paint_apart<P: Clone + Send + Sync, Answer: Send>(
     (frame, answers)
 }
 
-/// Colour and 1 - T in units of 1.0, colours multiplied by the unit that they were divided by.
-pub(super) fn to_picture(pixels: &[Pixel], quantised: &QuantisedScene, widths: &Widths) -> Picture {
-    let convert = converter(widths, quantised.colour_log2);
-    let [width, height] = quantised.view.viewport.map(usize::from);
+/// A picture of pixels of any kind, each converted to colour and 1 - T in units of 1.0.
+pub(super) fn to_picture<P: Sync>(
+    pixels: &[P],
+    viewport: [u16; 2],
+    convert: impl Fn(&P) -> [f64; 4] + Sync,
+) -> Picture {
+    let [width, height] = viewport.map(usize::from);
     let mut picture = Picture::new(width, height);
     let places = picture.pixels.par_iter_mut().with_min_len(CONVERTED);
     (places.zip(pixels)).for_each(|(out, pixel)| *out = convert(pixel));

@@ -1,7 +1,7 @@
 //! Points and splats through the kernel, frame after frame in the same memory: choice, setup, order, slabs, stamps.
 
 use super::quantise::{QuantisedScene, kernel_compositing, scaled};
-use super::render::{CHECK_INTERVAL, FixedDrawing, Options, PaintEngine, best_engine, painter};
+use super::render::{CHECK_INTERVAL, Options, PaintEngine, painter};
 use crate::camera::Camera;
 use crate::fast::frame::{FrameFacts, FrameMemory, FramePlan};
 use crate::fast::setup::{self as fast, Outcome};
@@ -24,15 +24,6 @@ use splatline::target::Target;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-/// A drawing with the share of points.
-#[derive(Clone, Debug)]
-pub struct HybridDrawing {
-    /// The drawing.
-    pub drawing: FixedDrawing,
-    /// What its frame did.
-    pub facts: HybridFacts,
-}
-
 /// What a frame did beside its pixels.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct HybridFacts {
@@ -42,48 +33,23 @@ pub struct HybridFacts {
     pub points: usize,
     /// Footprints in all.
     pub drawn: usize,
-    /// Words of stamp memory.
-    pub stamp_words: usize,
 }
 
-/// Draws a scene of spherical kernels as points and splats. The options' rules need a spacing and a constant cut-off.
-///
-/// The error says what the rules lack, or that footprints are too large for a stamp.
-pub fn draw_hybrid(
-    scene: &Scene,
-    camera: &Camera,
-    options: &Options,
-    hybrid: &Hybrid,
-) -> Result<HybridDrawing, String> {
-    let engine = (best_engine(), true);
-    let mut renderer = HybridRenderer::new(scene, camera, options.clone(), hybrid, engine)?;
-    let facts = renderer.draw()?;
-    let pixels = renderer.memory.pixels();
-    let (quantised, widths) = (&renderer.quantised, &options.design.widths);
-    Ok(HybridDrawing {
-        drawing: FixedDrawing::new(quantised, widths, pixels, facts.frame),
-        facts,
-    })
-}
-
-/// A scene of spherical kernels with all that its frames need.
+/// A scene of spherical kernels with all that its frames of points and splats need.
 pub struct HybridRenderer<'a> {
     options: Options<'a>,
     hybrid: &'a Hybrid,
-    engine: PaintEngine,
-    quantised: QuantisedScene,
-    filter: PointFilter,
+    setup: HybridSetup,
     table: TableMemory,
     /// Draws where points are splats like others.
     painter: Box<dyn TilePainter>,
     memory: FrameMemory,
-    /// Is a splat a point? Written by the thread that sets it up.
-    is_point: Vec<AtomicBool>,
 }
 
 impl<'a> HybridRenderer<'a> {
-    /// The scene in the kernel's formats, drawn by an engine that counts pixels or not. Frames are drawn by the rayon
-    /// pool that they are asked for in. The error says what the rules lack.
+    /// The scene in the kernel's formats, drawn by an engine that counts pixels or not. The options' rules need a
+    /// spacing and a constant cut-off; the error says what they lack. Frames are drawn by the rayon pool that they are
+    /// asked for in.
     pub fn new(
         scene: &Scene,
         camera: &Camera,
@@ -103,32 +69,36 @@ impl<'a> HybridRenderer<'a> {
         };
         Ok(HybridRenderer {
             hybrid,
-            engine,
-            filter,
             table: TableMemory::new(widths, rules),
             painter: painter(rules, &options, engine, counts),
             memory: FrameMemory::default(),
-            is_point: quantised.splats.iter().map(|_| false.into()).collect(),
+            setup: HybridSetup {
+                design: options.design.in_fields(),
+                filter,
+                points: hybrid.points,
+                engine,
+                is_point: quantised.splats.iter().map(|_| false.into()).collect(),
+                quantised,
+            },
             options,
-            quantised,
         })
     }
 
     /// The scene in the kernel's formats.
     pub fn quantised(&self) -> &QuantisedScene {
-        &self.quantised
+        &self.setup.quantised
     }
 
     /// Draws a frame as a picture in double precision, converted without further rounding; one of another size is
     /// replaced. The error says that footprints are too large for a stamp.
     pub fn draw_picture(&mut self, picture: &mut Picture) -> Result<HybridFacts, String> {
-        let design = self.options.design;
         let facts = self.draw()?;
-        let [width, height] = self.quantised.view.viewport.map(usize::from);
+        let quantised = &self.setup.quantised;
+        let [width, height] = quantised.view.viewport.map(usize::from);
         if [picture.width, picture.height] != [width, height] {
             *picture = Picture::new(width, height);
         }
-        let convert = converter(&design.widths, self.quantised.colour_log2);
+        let convert = converter(&self.options.design.widths, quantised.colour_log2);
         self.memory.copy(&mut picture.pixels, convert);
         Ok(facts)
     }
@@ -138,26 +108,13 @@ impl<'a> HybridRenderer<'a> {
         let HybridRenderer {
             options,
             hybrid,
-            engine,
-            quantised,
-            filter,
+            setup,
             table,
             painter,
             memory,
-            is_point,
-            ..
         } = self;
-        let (design, widths) = (options.design.in_fields(), &options.design.widths);
+        let (quantised, table) = (&setup.quantised, table.table());
         let started = Instant::now();
-        let table = table.table();
-        let setup = HybridSetup {
-            design,
-            quantised,
-            filter,
-            points: hybrid.points,
-            engine: *engine,
-            is_point,
-        };
         let stamps = match hybrid.phase_bits {
             Some(bits) => setup.stamps(&table, bits)?,
             None => None,
@@ -166,14 +123,20 @@ impl<'a> HybridRenderer<'a> {
         let shape = stamps.as_ref().map(|(_, shape)| shape);
         let order = kernel_compositing(options.compositing);
         let among_points = PointTiles {
-            painter: Painter::new(design, &quantised.rules, table, order, Traversal::Spans),
+            painter: Painter::new(
+                setup.design,
+                &quantised.rules,
+                table,
+                order,
+                Traversal::Spans,
+            ),
             gathering: PointSettings {
                 range: depth_range(hybrid, quantised),
                 stamp: (stamps.as_ref()).and_then(|(words, shape)| Stamp::new(words, *shape)),
             },
             gathers: hybrid.depth_range.is_some(),
-            clear: Pixel::clear(widths),
-            is_point,
+            clear: Pixel::clear(&options.design.widths),
+            is_point: &setup.is_point,
         };
         // Without stamps and slabs points are splats like others, which the fast engine draws.
         let plain = stamps.is_none() && hybrid.depth_range.is_none();
@@ -189,19 +152,17 @@ impl<'a> HybridRenderer<'a> {
             unreachable!("nobody cancels")
         };
         frame.times.setup += stamped_at;
-        let stamp_words = stamps.map_or(0, |(words, _)| words.len());
         let [points, drawn] = self.counts();
         Ok(HybridFacts {
             frame,
             points,
             drawn,
-            stamp_words,
         })
     }
 
     /// Footprints drawn as points, and footprints in all.
     fn counts(&self) -> [usize; 2] {
-        let outcomes = self.memory.outcomes().par_iter().zip(&self.is_point);
+        let outcomes = self.memory.outcomes().par_iter().zip(&self.setup.is_point);
         let count = |(outcome, is_point): (&Outcome, &AtomicBool)| match outcome {
             Ok(footprint) if !Window::of(footprint).is_empty() => {
                 [is_point.load(Ordering::Relaxed).into(), 1]
@@ -222,16 +183,17 @@ fn depth_range(hybrid: &Hybrid, quantised: &QuantisedScene) -> u32 {
 }
 
 /// Setup of points and splats.
-struct HybridSetup<'a> {
+struct HybridSetup {
     design: RuntimeWidths,
-    quantised: &'a QuantisedScene,
-    filter: &'a PointFilter,
+    quantised: QuantisedScene,
+    filter: PointFilter,
     points: Points,
     engine: PaintEngine,
-    is_point: &'a [AtomicBool],
+    /// Is a splat a point? Written by the thread that sets it up.
+    is_point: Vec<AtomicBool>,
 }
 
-impl HybridSetup<'_> {
+impl HybridSetup {
     /// Sets up splats numbered from `first`. With stamps, boxes of points become those of their stamps: empty ones are
     /// not drawn.
     fn set_up(
@@ -249,7 +211,7 @@ impl HybridSetup<'_> {
             points += usize::from(is_point);
         }
         if points < splats.len() {
-            let QuantisedScene { view, rules, .. } = self.quantised;
+            let QuantisedScene { view, rules, .. } = &self.quantised;
             let vectors = self.engine.vectors();
             fast::set_up(self.design, view, rules, splats, outcomes, vectors);
         }
@@ -271,15 +233,15 @@ impl HybridSetup<'_> {
             Points::All => true,
             Points::None => false,
             Points::Auto => {
-                let QuantisedScene { view, rules, .. } = self.quantised;
+                let QuantisedScene { view, rules, .. } = &self.quantised;
                 is_minified(&self.design.widths(), view, rules, splat)
             }
         }
     }
 
     fn set_up_point(&self, splat: &VolumeSplat) -> Outcome {
-        let QuantisedScene { view, rules, .. } = self.quantised;
-        setup_point(self.design, view, rules, splat, self.filter)
+        let QuantisedScene { view, rules, .. } = &self.quantised;
+        setup_point(self.design, view, rules, splat, &self.filter)
     }
 
     /// The box of a point becomes that of its stamp.
@@ -296,11 +258,8 @@ impl HybridSetup<'_> {
         bits: u8,
     ) -> Result<Option<(Vec<u32>, StampShape)>, String> {
         let point = |splat: &VolumeSplat| {
-            if self.is_point(splat) {
-                self.set_up_point(splat).ok()
-            } else {
-                None
-            }
+            let is_point = self.is_point(splat);
+            is_point.then(|| self.set_up_point(splat).ok()).flatten()
         };
         let Some(point) = self.quantised.splats.par_iter().find_map_first(point) else {
             return Ok(None);

@@ -18,12 +18,11 @@ pub mod surface;
 pub use crate::fast::{table, table_entries};
 pub use frame::converter;
 pub use harmonics::harmonic_colours;
-pub use hybrid::{HybridDrawing, HybridFacts, HybridRenderer, draw_hybrid};
+pub use hybrid::{HybridFacts, HybridRenderer};
 pub use maps::draw_maps;
 pub use quantise::{QuantisedScene, kernel_compositing, kernel_rules, scaled};
 pub use render::{
     Canvas, FixedDrawing, Options, PaintEngine, Times, best_engine, conics, culls, draw,
-    draw_quantised, draw_with_footprints, footprints, variances,
+    draw_quantised, draw_with_footprints, footprints, painter, set_up_part, variances,
 };
-pub use render::{painter, set_up_part};
 pub use sphere::draw_spheres;

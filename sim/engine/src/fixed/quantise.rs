@@ -88,7 +88,7 @@ impl QuantisedScene {
         if scene.harmonics.is_none() {
             return;
         }
-        let colours = colours(scene, camera);
+        let colours = scene.colours(camera);
         self.colour_log2 = colour_log2(colours.iter());
         let unit = exp2(-self.colour_log2);
         let splats = self.splats.par_iter_mut();
@@ -158,7 +158,7 @@ impl Quantiser {
         scale_log2: i32,
     ) -> (Self, QuantisedScene) {
         let colours = match scene.harmonics {
-            Some(_) => colours(scene, camera),
+            Some(_) => scene.colours(camera),
             None => Vec::new(),
         };
         let own = scene.splats.iter().map(|splat| &splat.colour);
@@ -212,12 +212,6 @@ impl Quantiser {
         };
         to.clamped += splats.par_iter().enumerate().filter(beyond).count();
     }
-}
-
-/// All splats' colours, on all cores.
-fn colours(scene: &Scene, camera: &Camera) -> Vec<[f64; 3]> {
-    let indices = (0..scene.splats.len()).into_par_iter();
-    indices.map(|index| scene.colour(index, camera)).collect()
 }
 
 /// The least power of two, at least 1, by which all colours come below 8, the end of every named design's formats.

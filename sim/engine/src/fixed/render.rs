@@ -103,8 +103,9 @@ impl FixedDrawing {
         pixels: Vec<Pixel>,
         facts: FrameFacts,
     ) -> Self {
+        let convert = converter(widths, quantised.colour_log2);
         FixedDrawing {
-            picture: to_picture(&pixels, quantised, widths),
+            picture: to_picture(&pixels, quantised.view.viewport, convert),
             pixels,
             splats: quantised.splats.len(),
             clamped: quantised.clamped,

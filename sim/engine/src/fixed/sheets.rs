@@ -1,7 +1,7 @@
 //! Sheet buffers: tile by tile, each slab's splats are added by whatever paints tiles, and the sheet is laid behind
 //! what the tile holds.
 
-use super::frame::{TileLists, paint_apart, to_picture};
+use super::frame::{TileLists, converter, paint_apart, to_picture};
 use super::quantise::QuantisedScene;
 use super::render::{Options, PaintEngine, painter, seen};
 use crate::camera::Camera;
@@ -58,7 +58,8 @@ pub fn draw(
         sheets.paint_tile(window, list, pixels);
     };
     let (pixels, _) = paint_apart(Pixel::clear(&widths), &tiles, &paint);
-    to_picture(&pixels, &quantised, &widths)
+    let convert = converter(&widths, quantised.colour_log2);
+    to_picture(&pixels, quantised.view.viewport, convert)
 }
 
 /// All footprints in their sheets.

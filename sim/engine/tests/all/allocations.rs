@@ -6,7 +6,7 @@ use splatline_engine::camera::Camera;
 use splatline_engine::design::{DesignChoice, NAMES};
 use splatline_engine::fast::lanes::VectorLevel;
 use splatline_engine::fixed::PaintEngine;
-use splatline_engine::fixed::surface::{QuantisedPoints, SurfaceOptions, SurfaceRenderer};
+use splatline_engine::fixed::surface::{SurfaceOptions, SurfaceRenderer};
 use splatline_engine::picture::Picture;
 use splatline_engine::renderer::{Renderer, Settings};
 use splatline_engine::rules::Rules;
@@ -92,7 +92,6 @@ fn surfaces_frames_after_the_first_allocate_nothing() {
     let scene = points::synthetic::scene("ball", ball);
     let eye = [0.5, -3.0, 1.0];
     let camera = Camera::look_at(eye, [0.0; 3], [0.0, 0.0, 1.0], 45.0, 301, 203).unwrap();
-    let quantised = QuantisedPoints::new(&scene, &camera);
     let pool = ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     let styles = [Style::opaque(0.1), Style::layered(0.1, 4)];
     for (name, style) in NAMES
@@ -106,7 +105,7 @@ fn surfaces_frames_after_the_first_allocate_nothing() {
             engine: PaintEngine::Vectors(VectorLevel::Best),
             counts: true,
         };
-        let mut renderer = SurfaceRenderer::new(&quantised, &scene, &camera, &options);
+        let mut renderer = SurfaceRenderer::new(&scene, &camera, &options);
         let mut picture = Picture::new(0, 0);
         let mut frame = || {
             let facts = renderer.draw_picture(&mut picture);

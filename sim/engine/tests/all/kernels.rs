@@ -5,7 +5,7 @@ use splatline::setup::{Ellipse, Index as KernelIndex};
 use splatline_engine::camera::Camera;
 use splatline_engine::design::DesignChoice;
 use splatline_engine::fast::lanes::VectorLevel;
-use splatline_engine::fixed::{self, HybridRenderer, PaintEngine};
+use splatline_engine::fixed::{self, HybridFacts, HybridRenderer, Options, PaintEngine};
 use splatline_engine::hybrid::{Hybrid, Points, spacing};
 use splatline_engine::metrics::compare;
 use splatline_engine::picture::Picture;
@@ -50,8 +50,8 @@ fn camera(distance: f64, orthographic: bool) -> Camera {
     camera
 }
 
-fn options<'a>(rules: &'a Rules, design: &'a DesignChoice) -> fixed::Options<'a> {
-    fixed::Options::front_to_back(rules, design)
+fn options<'a>(rules: &'a Rules, design: &'a DesignChoice) -> Options<'a> {
+    Options::front_to_back(rules, design)
 }
 
 fn meets_the_bars(what: &str, fixed: &Picture, float: &Picture) {
@@ -107,6 +107,20 @@ fn peak_opacities_are_dimmed_by_distance_scaling() {
     meets_the_bars("3dgs", &drawn.picture, &expected.picture);
 }
 
+/// A scene as points and splats, and what drawing it told.
+pub fn draw_hybrid(
+    scene: &Scene,
+    camera: &Camera,
+    options: Options,
+    hybrid: &Hybrid,
+) -> Result<(Picture, HybridFacts), String> {
+    let engine = (fixed::best_engine(), true);
+    let mut renderer = HybridRenderer::new(scene, camera, options, hybrid, engine)?;
+    let mut picture = Picture::default();
+    let facts = renderer.draw_picture(&mut picture)?;
+    Ok((picture, facts))
+}
+
 #[test]
 fn points_and_stamps_meet_the_bars() {
     let (scene, design) = (volume(), standard24());
@@ -123,10 +137,10 @@ fn points_and_stamps_meet_the_bars() {
                     };
                     let camera = camera(distance, false);
                     let options = options(&rules, &design);
-                    let drawn = fixed::draw_hybrid(&scene, &camera, &options, &hybrid).unwrap();
+                    let (drawn, _) = draw_hybrid(&scene, &camera, options, &hybrid).unwrap();
                     let expected = reference::hybrid::draw(&scene, &camera, &rules, &hybrid);
                     let what = format!("{hybrid:?} from {distance}");
-                    meets_the_bars(&what, &drawn.drawing.picture, &expected.picture);
+                    meets_the_bars(&what, &drawn, &expected.picture);
                 }
             }
         }
@@ -192,9 +206,9 @@ fn points_are_chosen_by_projected_size() {
     let share = |distance: f64| {
         let camera = camera(distance, false);
         let hybrid = Hybrid::default();
-        let drawn =
-            fixed::draw_hybrid(&scene, &camera, &options(&rules, &design), &hybrid).unwrap();
-        drawn.facts.points as f64 / drawn.facts.drawn as f64
+        let drawn = draw_hybrid(&scene, &camera, options(&rules, &design), &hybrid);
+        let (_, facts) = drawn.unwrap();
+        facts.points as f64 / facts.drawn as f64
     };
     assert_eq!((share(40.0), share(80.0)), (0.0, 1.0));
     assert!((0.3..0.7).contains(&share(60.0)), "{}", share(60.0));
@@ -308,7 +322,7 @@ fn an_eye_inside_a_sphere_culls_it_and_a_wrong_rule_is_named() {
     );
     assert_eq!(drawn.facts.culled.iter().sum::<usize>(), 1);
     let hybrid = Hybrid::default();
-    let error =
-        fixed::draw_hybrid(&scene, &camera, &options(&rules, &design), &hybrid).unwrap_err();
+    let refused = draw_hybrid(&scene, &camera, options(&rules, &design), &hybrid);
+    let error = refused.unwrap_err();
     assert!(error.contains("spacing"), "{error}");
 }

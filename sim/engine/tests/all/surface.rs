@@ -493,11 +493,10 @@ fn scanned_clouds_load() {
 fn surfaces_drawn_by_vectors_are_the_kernels() {
     use splatline_engine::fast::lanes::VectorLevel;
     use splatline_engine::fixed::PaintEngine;
-    use splatline_engine::fixed::surface::{QuantisedPoints, SurfaceOptions, draw_quantised};
+    use splatline_engine::fixed::surface::{SurfaceOptions, draw_with};
     let scene = ball_and_sheet();
     let near = Camera::look_at([0.3, -0.9, -0.4], [0.0; 3], [0.0, -1.0, 0.0], 70.0, 157, 93);
     for camera in [camera(160), near.unwrap()] {
-        let points = QuantisedPoints::new(&scene, &camera);
         let lit = Style {
             light: Some([0.4, 0.5, 1.0]),
             ..Style::opaque(0.1)
@@ -524,7 +523,7 @@ fn surfaces_drawn_by_vectors_are_the_kernels() {
                     engine,
                     counts,
                 };
-                draw_quantised(&points, &scene, &camera, &options)
+                draw_with(&scene, &camera, &options)
             };
             let expected = draw(PaintEngine::Scalar, true);
             for choice in [VectorLevel::Best, VectorLevel::Avx2, VectorLevel::Portable] {

@@ -1,8 +1,9 @@
 //! Depth images and textured planes drawn from elsewhere as points and splats.
 
+use super::kernels::draw_hybrid;
 use splatline_engine::camera::Camera;
 use splatline_engine::design::DesignChoice;
-use splatline_engine::fixed::{HybridDrawing, Options, draw_hybrid};
+use splatline_engine::fixed::{HybridFacts, Options};
 use splatline_engine::hybrid::{Hybrid, Points, spacing};
 use splatline_engine::metrics::compare;
 use splatline_engine::picture::Picture;
@@ -70,13 +71,13 @@ fn reproject(from: &Camera, place: [f64; 2], depth: f64, to: &Camera) -> ([f64; 
     ([to.fx * x / scale + to.cx, to.fy * y / scale + to.cy], z)
 }
 
-fn draw(samples: &Scene, camera: &Camera, points: Points) -> (HybridDrawing, Picture) {
+fn draw(samples: &Scene, camera: &Camera, points: Points) -> (Picture, HybridFacts, Picture) {
     let design = DesignChoice::named("standard24").unwrap();
     let (rules, hybrid) = (rules(samples), hybrid(samples, points));
     let options = Options::front_to_back(&rules, &design);
-    let drawn = draw_hybrid(samples, camera, &options, &hybrid).unwrap();
+    let (drawn, facts) = draw_hybrid(samples, camera, options, &hybrid).unwrap();
     let float = reference::hybrid::draw(samples, camera, &rules, &hybrid).picture;
-    (drawn, float)
+    (drawn, facts, float)
 }
 
 #[test]
@@ -115,10 +116,9 @@ fn samples_land_where_the_warping_equation_says() {
 fn a_depth_image_seen_by_its_own_camera_is_the_picture() {
     let from = camera([0.0, -4.0, 1.0], 64);
     let (image, picture) = ball(&from);
-    let (drawn, _) = draw(&image.samples("ball"), &from, Points::Auto);
-    let found = &drawn.drawing.picture;
+    let (found, ..) = draw(&image.samples("ball"), &from, Points::Auto);
     let middle = |picture: &Picture| picture.pixels[32 * 64 + 32];
-    let pairs = middle(found).into_iter().zip(middle(&picture));
+    let pairs = middle(&found).into_iter().zip(middle(&picture));
     pairs.for_each(|(a, b)| assert!((a - b).abs() < 0.03, "{a} {b}"));
     assert!(found.pixels[0][3] == 0.0);
 }
@@ -129,8 +129,8 @@ fn near_samples_stay_splats_and_far_ones_become_points() {
     let samples = image.samples("ball");
     let shares = [2.4, 20.0].map(|distance: f64| {
         let eye = [0.24 * distance, -0.93 * distance, 0.27 * distance];
-        let (drawn, float) = draw(&samples, &camera(eye, 64), Points::Auto);
-        let errors = compare(&drawn.drawing.picture, &float).unwrap();
+        let (drawn, facts, float) = draw(&samples, &camera(eye, 64), Points::Auto);
+        let errors = compare(&drawn, &float).unwrap();
         for group in [errors.colour, errors.alpha] {
             assert!(
                 group.psnr_db >= 60.0 && group.bias.abs() <= 5e-4,
@@ -139,7 +139,7 @@ fn near_samples_stay_splats_and_far_ones_become_points() {
         }
         // The ball is closed where it was seen.
         assert!(float.pixels[32 * 64 + 32][3] > 0.95);
-        drawn.facts.points as f64 / drawn.facts.drawn as f64
+        facts.points as f64 / facts.drawn as f64
     });
     assert_eq!(shares, [0.0, 1.0]);
 }

@@ -156,6 +156,11 @@ pub(super) fn visible_position(splat: &Splat, camera: &Camera) -> Result<[f64; 3
     if !vector::is_finite(position) {
         return Err(Culled::Degenerate);
     }
+    within_depths(position, camera)
+}
+
+/// The place itself, unless it lies outside near and far.
+pub(super) fn within_depths(position: Vector, camera: &Camera) -> Result<Vector, Culled> {
     match position[2] {
         z if z <= camera.near => Err(Culled::Near),
         z if z >= camera.far => Err(Culled::Far),

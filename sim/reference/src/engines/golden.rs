@@ -34,10 +34,6 @@ pub struct GoldenSplat {
     pub centre: [f64; 2],
     /// Camera-space z.
     pub depth: f64,
-    /// The source culled the splat, by the near plane or because it saw no pixel of it.
-    pub culled: bool,
-    /// The slopes of the Jacobian were clamped.
-    pub clamped: bool,
     /// sqrt(det V' / det(V' + V^h)) as gsplat computes it.
     pub compensation: f64,
     /// Conic (A, B, C) in 60-digit arithmetic, with low-pass; NaN at depth zero.
@@ -328,8 +324,6 @@ fn parse_splat(names: &[&str], line: &str) -> Result<GoldenSplat> {
         },
         centre: [number("u")?, number("v")?],
         depth: number("depth")?,
-        culled: number("rx")? == 0.0 && number("ry")? == 0.0,
-        clamped: number("clamped")? != 0.0,
         compensation: number("comp")?,
         exact_conic: triple(["exact_conA", "exact_conB", "exact_conC"])?,
     })

@@ -6,6 +6,7 @@
 //! pixel and coverage from the weight sum (section 7). The other way to the same ellipse, by intersecting pixel rays
 //! with the tangent plane (section 4), is in the engine's tests, which hold both against each other.
 
+use super::float::{screen_position, within_depths};
 use super::{Counts, Culled, PixelBox, in_bands};
 use crate::camera::Camera;
 use crate::picture::Picture;
@@ -73,12 +74,7 @@ pub fn project(
     if !vector::is_finite(position) {
         return Err(Culled::NonFinite);
     }
-    match position[2] {
-        z if z <= camera.near => return Err(Culled::Near),
-        z if z >= camera.far => return Err(Culled::Far),
-        _ => {}
-    }
-    let centre = super::float::screen_position(position, camera);
+    let centre = screen_position(within_depths(position, camera)?, camera);
     let ([m1, m2], [z1, z2]) = screen_axes(point, camera);
     let h = style.low_pass;
     let area = m1[0] * m2[1] - m1[1] * m2[0];
@@ -360,12 +356,8 @@ fn resolve(
 }
 
 fn towards_eye(place: [f64; 2], camera: &Camera) -> Vector {
-    if camera.orthographic {
-        [0.0, 0.0, -1.0]
-    } else {
-        let [x, y] = camera.slopes(place);
-        unit([-x, -y, -1.0])
-    }
+    let [x, y] = camera.slopes(place);
+    unit(vector::scale(-1.0, camera.ray([x, y, 1.0])))
 }
 
 /// Phong: I = (ka + kd max(0, n.l)) c + ks max(0, r.v)^s a.

@@ -84,7 +84,7 @@ fn needle(sample: u64, name: &str, ratio: f64, rules: Rules) -> Case {
 }
 
 fn ball(radius: f64) -> [[f64; 3]; 3] {
-    [[radius, 0.0, 0.0], [0.0, radius, 0.0], [0.0, 0.0, radius]]
+    vector::diagonal([radius; 3])
 }
 
 /// A round splat anywhere in the picture.

@@ -225,10 +225,9 @@ fn object(random: &mut Random, count: usize, middle: [f64; 3], extent: f64) -> V
 /// A Gaussian of median scale `scale`, any orientation, opacity and colour.
 pub(super) fn gaussian(random: &mut Random, centre: [f64; 3], scale: f64) -> Splat {
     let scales = random.triple(|random| scale * (0.6 * random.normal()).exp());
-    let rotation = random.rotation();
     Splat {
         centre,
-        axes: [0, 1, 2].map(|k| [0, 1, 2].map(|row: usize| rotation[row][k] * scales[k])),
+        axes: vector::scaled_columns(&random.rotation(), scales),
         weight: random.between(0.05, 0.95),
         colour: random.triple(Random::uniform),
     }

@@ -128,10 +128,9 @@ impl GaussianScene {
             self.skipped.zero_rotation += 1;
             return;
         };
-        let axis = |k: usize| [0, 1, 2].map(|row| rotation[row][k] * gaussian.scales[k]);
         self.splats.push(Splat {
             centre: gaussian.centre,
-            axes: [axis(0), axis(1), axis(2)],
+            axes: vector::scaled_columns(&rotation, gaussian.scales),
             weight: gaussian.opacity,
             colour: gaussian.base.map(|channel| channel.max(0.0)),
         });

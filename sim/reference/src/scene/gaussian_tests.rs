@@ -1,6 +1,6 @@
 //! Tests of colour and of what is skipped.
 
-use super::super::look::look_at;
+use super::super::view::look_at;
 use super::*;
 use crate::camera::Camera;
 
@@ -29,34 +29,20 @@ fn logits_and_logarithms_have_exact_ends() {
 fn unusable_records_are_counted_by_reason() {
     let mut scene = GaussianScene::new(0, 2).unwrap();
     scene.push(&sound());
-    scene.push(&Gaussian {
-        centre: [f64::NAN, 0.0, 0.0],
-        ..sound()
-    });
-    scene.push(&Gaussian {
-        scales: [scale_from_log(1000.0), 1.0, 1.0],
-        ..sound()
-    });
-    scene.push(&Gaussian {
-        scales: [scale_from_log(100.0), 1.0, 1.0],
-        ..sound()
-    });
-    scene.push(&Gaussian {
-        opacity: f64::NAN,
-        ..sound()
-    });
-    scene.push(&Gaussian {
-        base: [f64::INFINITY, 0.0, 0.0],
-        ..sound()
-    });
-    scene.push(&Gaussian {
-        rotation: [f64::NAN, 0.0, 0.0, 0.0],
-        ..sound()
-    });
-    scene.push(&Gaussian {
-        rotation: [0.0; 4],
-        ..sound()
-    });
+    let spoilers: [fn(&mut Gaussian); 7] = [
+        |one| one.centre[0] = f64::NAN,
+        |one| one.scales[0] = scale_from_log(1000.0),
+        |one| one.scales[0] = scale_from_log(100.0),
+        |one| one.opacity = f64::NAN,
+        |one| one.base[0] = f64::INFINITY,
+        |one| one.rotation[0] = f64::NAN,
+        |one| one.rotation = [0.0; 4],
+    ];
+    for spoil in spoilers {
+        let mut spoilt = sound();
+        spoil(&mut spoilt);
+        scene.push(&spoilt);
+    }
     let scene = scene.finish("x").unwrap();
     assert_eq!(
         scene.skipped,
@@ -91,13 +77,9 @@ fn a_scene_of_nothing_but_skips_is_an_error() {
 fn quaternions_of_any_length_turn_the_axes() {
     // A quarter turn about z: x goes to y.
     let matrix = rotation_matrix([3.0, 0.0, 0.0, 3.0]).unwrap();
-    for (row, expected) in matrix
-        .iter()
-        .zip([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
-    {
-        for (value, expected) in row.iter().zip(expected) {
-            assert!((value - expected).abs() < 1e-15);
-        }
+    let turned = [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
+    for (value, expected) in matrix.as_flattened().iter().zip(turned.as_flattened()) {
+        assert!((value - expected).abs() < 1e-15);
     }
 }
 
@@ -147,38 +129,19 @@ fn colour_follows_the_direction_from_the_eye_to_the_splat() {
         scene.colours(&look_at(eye, [1.0, 2.0, 3.0], up, 50.0, 64, 48))[0]
     };
     let near = |found: [f64; 3], expected: [f64; 3]| {
-        assert!(
-            found
-                .iter()
-                .zip(expected)
-                .all(|(a, b)| (a - b).abs() < 1e-9),
-            "{found:?} {expected:?}"
-        );
+        let off = vector::length(vector::subtract(found, expected));
+        assert!(off < 1e-9, "{found:?} {expected:?}");
     };
     let part = 0.488_602_511_902_919_9;
+    let (up, level) = ([0.0, 0.0, 1.0], [0.0, -1.0, 0.0]);
     // Red is -y, green is z, blue is -x of the direction, which runs away from the eye; sums stop at 0.
-    near(
-        seen_from([0.0, -4.0, 0.0], [0.0, 0.0, 1.0]),
-        [0.5 - part, 0.5, 0.5],
-    );
-    near(
-        seen_from([0.0, 0.0, -4.0], [0.0, -1.0, 0.0]),
-        [0.5, 0.5 + part, 0.5],
-    );
-    near(
-        seen_from([4.0, 0.0, 0.0], [0.0, -1.0, 0.0]),
-        [0.5, 0.5, 0.5 + part],
-    );
+    near(seen_from([0.0, -4.0, 0.0], up), [0.5 - part, 0.5, 0.5]);
+    near(seen_from([0.0, 0.0, -4.0], level), [0.5, 0.5 + part, 0.5]);
+    near(seen_from([4.0, 0.0, 0.0], level), [0.5, 0.5, 0.5 + part]);
+    let (eye, target) = ([90.0, 50.0, -4.0], [90.0, 50.0, 0.0]);
     let parallel = Camera {
         orthographic: true,
-        ..look_at(
-            [90.0, 50.0, -4.0],
-            [90.0, 50.0, 0.0],
-            [0.0, -1.0, 0.0],
-            50.0,
-            64,
-            48,
-        )
+        ..look_at(eye, target, level, 50.0, 64, 48)
     };
     near(scene.colours(&parallel)[0], [0.5, 0.5 + part, 0.5]);
 }

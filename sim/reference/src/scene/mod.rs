@@ -14,7 +14,6 @@ mod gaussian;
 mod gltf;
 mod ksplat;
 mod load;
-mod look;
 mod nrrd;
 mod order;
 mod ply;
@@ -35,7 +34,7 @@ mod damage_tests;
 #[cfg(test)]
 mod format_tests;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
 pub use error::{LoadError, Problem};
 pub use load::{LoadOptions, Loaded, demo, load, load_with_notes};
@@ -50,6 +49,7 @@ use crate::vector;
 pub(crate) use file::read_file;
 use gaussian::CAPTURE_UP;
 pub use gaussian::{Gaussian, HARMONIC_0, rotation_matrix};
+use rayon::prelude::*;
 
 /// What a splat's weight means.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -132,12 +132,12 @@ impl Scene {
         }
     }
 
-    /// Colours as seen by `camera`, clamped at 0 from below.
+    /// Colours as seen by `camera`, clamped at 0 from below; on all cores.
     ///
     /// Harmonics are evaluated once per splat, for the direction from the eye to its centre, or for the direction of
     /// view if the projection is parallel.
     pub fn colours(&self, camera: &Camera) -> Vec<[f64; 3]> {
-        let indices = 0..self.splats.len();
+        let indices = (0..self.splats.len()).into_par_iter();
         indices.map(|index| self.colour(index, camera)).collect()
     }
 

@@ -12,7 +12,7 @@ use super::volume::Volume;
 use super::{Scene, Skipped, Splat};
 use crate::memory;
 use crate::rules::Rules;
-use crate::vector::{dot, length, unit};
+use crate::vector::{diagonal, dot, length, unit};
 use anyhow::{Context, ensure};
 
 /// Standard deviation of a voxel's kernel, in voxels.
@@ -78,11 +78,7 @@ fn splat(volume: &Volume, place: [usize; 3], extinction: f64, colour: [f64; 3]) 
     let [x, y, z] = volume.spacings;
     Splat {
         centre: [0, 1, 2].map(|axis| (place[axis] as f64 + 0.5) * volume.spacings[axis]),
-        axes: [
-            [SIGMA * x, 0.0, 0.0],
-            [0.0, SIGMA * y, 0.0],
-            [0.0, 0.0, SIGMA * z],
-        ],
+        axes: diagonal(volume.spacings.map(|spacing| SIGMA * spacing)),
         weight: extinction * x * y * z,
         colour,
     }

@@ -3,10 +3,11 @@
 //! Numbers come from SplitMix64 and only from its sequence, so a seed names a scene for good.
 
 use super::gaussian::rotation_matrix;
-use super::look::look_at;
+use super::view::look_at;
 use super::{Harmonics, Scene, Splat};
 use crate::camera::Camera;
 use crate::rules::Rules;
+use crate::vector;
 
 /// Splats of the deep stack.
 pub const DEEP_STACK_COUNT: usize = 20_000;
@@ -137,16 +138,13 @@ impl Random {
     /// Four normal numbers point in a uniform direction, which makes a uniform rotation.
     pub fn rotation(&mut self) -> [[f64; 3]; 3] {
         let quaternion = std::array::from_fn(|_| self.normal());
-        rotation_matrix(quaternion).unwrap_or([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+        rotation_matrix(quaternion).unwrap_or(vector::diagonal([1.0; 3]))
     }
 
     fn splat(&mut self, scales: [f64; 3], opacity: f64) -> Splat {
-        let centre = self.triple(|random| random.between(-HALF_SIDE, HALF_SIDE));
-        let rotation = self.rotation();
-        let axes = std::array::from_fn(|k| std::array::from_fn(|row| rotation[row][k] * scales[k]));
         Splat {
-            centre,
-            axes,
+            centre: self.triple(|random| random.between(-HALF_SIDE, HALF_SIDE)),
+            axes: vector::scaled_columns(&self.rotation(), scales),
             weight: opacity,
             colour: self.triple(Self::uniform),
         }

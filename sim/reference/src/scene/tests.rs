@@ -5,18 +5,21 @@ use std::path::{Path, PathBuf};
 
 use proptest::prelude::*;
 
+use super::damage_tests::assert_told;
 use super::*;
 
 /// A file of the shared data; tests that ask for one are ignored where the data were not at hand when they were built.
-pub(super) fn shared_data(file: &str) -> PathBuf {
+pub(crate) fn shared_data(file: &str) -> PathBuf {
     let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data")).join(file);
     assert!(path.exists(), "{file} is missing from the shared data");
     path
 }
 
-pub(super) fn load_plain(path: &Path) -> Scene {
+pub(crate) fn load_plain(path: &Path) -> Scene {
     load(path, &LoadOptions::default()).unwrap()
 }
+
+pub(crate) use super::view::tests::is_in_view;
 
 /// A splat's variance matrix, which does not depend on the quaternion's sign.
 fn variance(splat: &Splat) -> [[f64; 3]; 3] {
@@ -47,21 +50,15 @@ fn largest_difference(a: [f64; 3], b: [f64; 3]) -> f64 {
 #[test]
 #[cfg_attr(
     not(has_data),
-    ignore = "the shared data were not beside the project when this was built"
+    ignore = "built without the shared data beside the project"
 )]
 fn infinite_logits_of_the_guitar_are_opacity_one() {
     let path = shared_data("gaussians/guitar.ply");
     let scene = load_plain(&path);
     assert_eq!(scene.splats.len(), 90_854);
     assert_eq!(scene.skipped, Skipped::default());
-    assert_eq!(
-        scene
-            .splats
-            .iter()
-            .filter(|splat| splat.weight == 1.0)
-            .count(),
-        667
-    );
+    let opaque = scene.splats.iter().filter(|splat| splat.weight == 1.0);
+    assert_eq!(opaque.count(), 667);
     assert!(scene.harmonics.is_none());
 }
 
@@ -69,7 +66,7 @@ fn infinite_logits_of_the_guitar_are_opacity_one() {
 #[test]
 #[cfg_attr(
     not(has_data),
-    ignore = "the shared data were not beside the project when this was built"
+    ignore = "built without the shared data beside the project"
 )]
 fn guitar_splat_is_guitar_ply_in_another_order() {
     let path = shared_data("gaussians/guitar.ply");
@@ -95,7 +92,7 @@ fn guitar_splat_is_guitar_ply_in_another_order() {
 #[test]
 #[cfg_attr(
     not(has_data),
-    ignore = "the shared data were not beside the project when this was built"
+    ignore = "built without the shared data beside the project"
 )]
 fn guitar_spz_is_guitar_ply_in_the_same_order() {
     let path = shared_data("gaussians/guitar.ply");
@@ -126,7 +123,7 @@ fn guitar_spz_is_guitar_ply_in_the_same_order() {
 #[test]
 #[cfg_attr(
     not(has_data),
-    ignore = "the shared data were not beside the project when this was built"
+    ignore = "built without the shared data beside the project"
 )]
 fn playbot_has_degree_two_and_a_colour_that_depends_on_the_view() {
     let path = shared_data("gaussians/playbot_lod4.ply");
@@ -146,7 +143,7 @@ fn playbot_has_degree_two_and_a_colour_that_depends_on_the_view() {
 #[test]
 #[cfg_attr(
     not(has_data),
-    ignore = "the shared data were not beside the project when this was built"
+    ignore = "built without the shared data beside the project"
 )]
 fn the_demo_is_the_brainsmall_file() {
     let demo = demo().unwrap();
@@ -166,7 +163,7 @@ fn the_demo_is_the_brainsmall_file() {
 #[test]
 #[cfg_attr(
     not(has_data),
-    ignore = "the shared data were not beside the project when this was built"
+    ignore = "built without the shared data beside the project"
 )]
 fn the_classic_volumes_load_with_moderate_counts_and_opacities() {
     let most = [
@@ -214,24 +211,17 @@ fn messages_of_paths_name_the_file_and_the_fix() {
     let folder = tempfile::tempdir().unwrap();
     let unknown = folder.path().join("scene.fbx");
     std::fs::write(&unknown, "v 0 0 0").unwrap();
-    let message = |path: &Path| load(path, &LoadOptions::default()).unwrap_err().to_string();
-    assert!(message(&unknown).contains("scene.fbx: is of no known format; expected .ply"));
-    assert!(message(folder.path()).contains("is not a regular file; name a scene file"));
-    assert!(
-        message(&folder.path().join("none.ply")).contains("none.ply: cannot be read: No such file")
-    );
-    for path in [
-        "random:",
-        "random:0",
-        "random:x",
-        "random:5:x",
-        "random:99999999999",
-    ] {
-        let found = message(Path::new(path));
-        assert!(
-            found.contains("is not COUNT or COUNT:SEED; write for instance random:10000:1"),
-            "{found}"
-        );
+    let missing = folder.path().join("none.ply");
+    let told = |path: &Path, expected: &str| {
+        let refused = load(path, &LoadOptions::default()).unwrap_err();
+        assert_told(refused.to_string(), expected);
+    };
+    told(&unknown, "scene.fbx: is of no known format; expected .ply");
+    told(folder.path(), "is not a regular file; name a scene file");
+    told(&missing, "none.ply: cannot be read: No such file");
+    for arguments in ["", "0", "x", "5:x", "99999999999"] {
+        let expected = "is not COUNT or COUNT:SEED; write for instance random:10000:1";
+        told(Path::new(&format!("random:{arguments}")), expected);
     }
 }
 
@@ -266,51 +256,31 @@ fn a_transfer_file_is_used_and_its_errors_name_file_and_line() {
         transfer: Some(file.clone()),
         light: None,
     };
-    std::fs::write(&file, "[[value]]\nat = 150.0\ncolour = [1, 1, 1]\nextinction = 0.0\n[[value]]\nat = 160.0\ncolour = [1, 0, 0]\nextinction = 0.5\n").unwrap();
+    let point = |at: f64, extinction: f64| {
+        format!("[[value]]\nat = {at}\ncolour = [1, 1, 1]\nextinction = {extinction}\n")
+    };
+    std::fs::write(&file, point(150.0, 0.0) + &point(160.0, 0.5)).unwrap();
     let scene = load(Path::new("demo"), &options).unwrap();
-    assert!(
-        scene.splats.len() < 1000,
-        "only the brightest voxels: {}",
-        scene.splats.len()
-    );
-    std::fs::write(
-        &file,
-        "[[value]]\nat = 150.0\ncolour = [1, 1, 1]\nextinction = -1.0\n",
-    )
-    .unwrap();
-    let message = load(Path::new("demo"), &options).unwrap_err().to_string();
-    assert!(
-        message.contains("dense.toml: transfer line 4, key 'value.extinction': it is -1"),
-        "{message}"
-    );
+    let count = scene.splats.len();
+    assert!(count < 1000, "only the brightest voxels: {count}");
+    let told = |expected: &str| {
+        let refused = load(Path::new("demo"), &options).unwrap_err();
+        assert_told(refused.to_string(), expected);
+    };
+    std::fs::write(&file, point(150.0, -1.0)).unwrap();
+    told("dense.toml: transfer line 4, key 'value.extinction': it is -1");
     std::fs::write(&file, [0xff, 0xfe]).unwrap();
-    assert!(
-        load(Path::new("demo"), &options)
-            .unwrap_err()
-            .to_string()
-            .contains("dense.toml: cannot be read")
-    );
+    told("dense.toml: cannot be read");
     std::fs::remove_file(&file).unwrap();
-    assert!(
-        load(Path::new("demo"), &options)
-            .unwrap_err()
-            .to_string()
-            .contains("dense.toml: cannot be read")
-    );
+    told("dense.toml: cannot be read");
 }
 
 #[test]
 fn weights_are_converted_by_the_mean_section() {
     let mut scene = synthetic::random_gaussians(200, 3, 1.0);
     let opacities = scene.weights_for(&Rules::GAUSSIAN_3D);
-    assert_eq!(
-        opacities,
-        scene
-            .splats
-            .iter()
-            .map(|splat| splat.weight)
-            .collect::<Vec<_>>()
-    );
+    let weights: Vec<f64> = scene.splats.iter().map(|splat| splat.weight).collect();
+    assert_eq!(opacities, weights);
     // There and back again.
     let masses = scene.weights_for(&Rules::EWA);
     scene.weight = Weight::Mass;
@@ -318,11 +288,8 @@ fn weights_are_converted_by_the_mean_section() {
         splat.weight = *mass;
     }
     assert_eq!(scene.weights_for(&Rules::EWA), masses);
-    for (back, opacity) in scene
-        .weights_for(&Rules::GAUSSIAN_3D)
-        .iter()
-        .zip(&opacities)
-    {
+    let back = scene.weights_for(&Rules::GAUSSIAN_3D);
+    for (back, opacity) in back.iter().zip(&opacities) {
         assert!((back - opacity).abs() < 1e-12);
     }
     // A sphere of deviation 2: 2 pi 4 = 25.13.

@@ -1,8 +1,8 @@
 //! Where a scene lies and a camera that shows it.
 
-use super::look::look_at;
 use super::{Scene, Weight, synthetic};
 use crate::camera::Camera;
+use crate::vector;
 
 /// Part of the splats that may lie outside the robust bounds on each side: captures have stray splats far away.
 const STRAY_PART: f64 = 0.02;
@@ -93,6 +93,33 @@ impl Scene {
     }
 }
 
+/// A pinhole camera at `eye` looking at `target`; rows of the rotation are right, down, forward.
+///
+/// The default cameras never look along `up` and never stand at their target, so this cannot fail.
+pub(super) fn look_at(
+    eye: [f64; 3],
+    target: [f64; 3],
+    up: [f64; 3],
+    vertical_degrees: f64,
+    width: usize,
+    height: usize,
+) -> Camera {
+    let unit = |v| vector::unit(v).unwrap_or([f64::NAN; 3]);
+    let forward = unit(vector::subtract(target, eye));
+    let right = unit(vector::cross(forward, up));
+    let down = vector::cross(forward, right);
+    let rotation = [right, down, forward];
+    let focal = height as f64 / 2.0 / (vertical_degrees.to_radians() / 2.0).tan();
+    Camera {
+        rotation,
+        translation: vector::scale(-1.0, vector::transform(&rotation, eye)),
+        // The usual near plane, but always well before the target of a tiny scene, which would vanish behind it.
+        near: f64::min(0.01, vector::length(vector::subtract(target, eye)) / 100.0),
+        far: f64::INFINITY,
+        ..Camera::centred(width, height, focal)
+    }
+}
+
 /// The axis with the smallest extent among those that are not up.
 pub(crate) fn across(up: [f64; 3], extent: impl Fn(usize) -> f64) -> usize {
     let vertical = (0..3).max_by(|&a, &b| up[a].abs().total_cmp(&up[b].abs()));
@@ -109,4 +136,4 @@ fn largest(extents: [f64; 3]) -> f64 {
 
 #[cfg(test)]
 #[path = "view_tests.rs"]
-mod tests;
+pub(crate) mod tests;

@@ -6,28 +6,27 @@ use super::*;
 
 /// Pixel coordinates of a place, and its depth.
 fn project(camera: &Camera, place: [f64; 3]) -> [f64; 3] {
-    let seen: [f64; 3] = std::array::from_fn(|row| {
-        (0..3)
-            .map(|axis| camera.rotation[row][axis] * place[axis])
-            .sum::<f64>()
-            + camera.translation[row]
-    });
+    let [x, y, z] = camera.to_camera(place);
     [
-        camera.fx * seen[0] / seen[2] + camera.cx,
-        camera.fy * seen[1] / seen[2] + camera.cy,
-        seen[2],
+        camera.fx * x / z + camera.cx,
+        camera.fy * y / z + camera.cy,
+        z,
     ]
+}
+
+/// Is a place seen?
+pub(crate) fn is_in_view(camera: &Camera, place: [f64; 3]) -> bool {
+    let [u, v, depth] = project(camera, place);
+    depth > camera.near
+        && (0.0..camera.width as f64).contains(&u)
+        && (0.0..camera.height as f64).contains(&v)
 }
 
 /// Part of the splats' centres that lie within the picture.
 fn part_in_view(scene: &Scene, camera: &Camera) -> f64 {
-    let within = |splat: &&super::super::Splat| {
-        let [u, v, depth] = project(camera, splat.centre);
-        depth > camera.near
-            && (0.0..camera.width as f64).contains(&u)
-            && (0.0..camera.height as f64).contains(&v)
-    };
-    scene.splats.iter().filter(within).count() as f64 / scene.splats.len() as f64
+    let seen = scene.splats.iter();
+    let seen = seen.filter(|splat| is_in_view(camera, splat.centre));
+    seen.count() as f64 / scene.splats.len() as f64
 }
 
 #[test]
@@ -55,36 +54,19 @@ fn look_at_shows_the_target_in_the_middle_with_up_upwards() {
 #[test]
 fn bounds_hold_all_centres() {
     let mut scene = random_gaussians(3, 1, 1.0);
-    for (splat, place) in
-        scene
-            .splats
-            .iter_mut()
-            .zip([[1.0, 5.0, -1.0], [2.0, 4.0, 0.0], [3.0, 3.0, 7.0]])
-    {
+    let places = [[1.0, 5.0, -1.0], [2.0, 4.0, 0.0], [3.0, 3.0, 7.0]];
+    for (splat, place) in scene.splats.iter_mut().zip(places) {
         splat.centre = place;
     }
     let bounds = scene.bounds().unwrap();
-    assert_eq!(
-        bounds,
-        Bounds {
-            least: [1.0, 3.0, -1.0],
-            greatest: [3.0, 5.0, 7.0]
-        }
-    );
-    assert_eq!(
-        (bounds.centre(), bounds.extents()),
-        ([2.0, 4.0, 3.0], [2.0, 2.0, 8.0])
-    );
+    let corners = [bounds.least, bounds.greatest];
+    assert_eq!(corners, [[1.0, 3.0, -1.0], [3.0, 5.0, 7.0]]);
+    assert_eq!(bounds.centre(), [2.0, 4.0, 3.0]);
+    assert_eq!(bounds.extents(), [2.0, 2.0, 8.0]);
     scene.splats.clear();
     assert_eq!(scene.bounds(), None);
-    assert!(
-        scene
-            .default_camera(10, 10)
-            .rotation
-            .iter()
-            .flatten()
-            .all(|entry| entry.is_finite())
-    );
+    let rotation = scene.default_camera(10, 10).rotation;
+    assert!(rotation.iter().flatten().all(|entry| entry.is_finite()));
 }
 
 #[test]
@@ -96,13 +78,8 @@ fn stray_splats_do_not_push_the_camera_away() {
         splat.centre = [1e6, -1e6, 1e6];
     }
     let far = scene.default_camera(64, 64);
-    let moved = near
-        .translation
-        .iter()
-        .zip(far.translation)
-        .map(|(a, b)| (a - b).abs())
-        .fold(0.0, f64::max);
-    assert!(moved < 0.2, "moved by {moved}");
+    let moved = vector::subtract(near.translation, far.translation);
+    assert!(vector::length(moved) < 0.2, "moved by {moved:?}");
 }
 
 #[test]
@@ -119,15 +96,9 @@ fn a_single_splat_can_be_looked_at() {
 fn default_cameras_show_the_scenes() {
     let demo = demo().unwrap();
     let camera = demo.default_camera(512, 512);
-    assert_eq!(
-        camera.rotation,
-        [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
-    );
-    assert!(
-        part_in_view(&demo, &camera) > 0.99,
-        "{}",
-        part_in_view(&demo, &camera)
-    );
+    assert_eq!(camera.rotation, vector::diagonal([1.0; 3]));
+    let part = part_in_view(&demo, &camera);
+    assert!(part > 0.99, "{part}");
     let random = random_gaussians(1000, 1, 1.0);
     assert!(part_in_view(&random, &random.default_camera(512, 512)) > 0.75);
 }
@@ -135,7 +106,7 @@ fn default_cameras_show_the_scenes() {
 #[test]
 #[cfg_attr(
     not(has_data),
-    ignore = "the shared data were not beside the project when this was built"
+    ignore = "built without the shared data beside the project"
 )]
 fn default_cameras_show_captured_scenes() {
     for file in [

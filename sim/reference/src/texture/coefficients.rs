@@ -85,38 +85,19 @@ impl SamplePoint {
     }
 }
 
-/// What a method found.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Coefficients {
-    /// One colour per point; the optimised ones may leave 0 to 1 on either side of an edge.
-    pub colours: Vec<[f64; 3]>,
-    /// Iterations of the solver, 0 for the other methods.
-    pub iterations: usize,
-}
-
-impl Coefficients {
-    /// Points of which a channel lies beyond 0 to 1, which no colour format of the kernel holds.
-    pub fn beyond_range(&self) -> usize {
-        let beyond = |colour: &&[f64; 3]| colour.iter().any(|c| !(0.0..=1.0).contains(c));
-        self.colours.iter().filter(beyond).count()
-    }
-}
-
-/// Coefficients of `points` on `texture`. Their basis functions end where the radial index reaches `cutoff`, as in the
-/// drawing.
+/// Coefficients of `points` on `texture`, one colour per point; the optimised ones may leave 0 to 1 on either side of
+/// an edge. The basis functions end where the radial index reaches `cutoff`, as in the drawing.
 pub fn coefficients(
     texture: &Texture,
     points: &[SamplePoint],
     method: Method,
     cutoff: f64,
-) -> Result<Coefficients, NotConverged> {
-    let direct = |colour: &(dyn Fn(&SamplePoint) -> [f64; 3] + Sync)| Coefficients {
-        colours: points.par_iter().map(colour).collect(),
-        iterations: 0,
-    };
+) -> Result<Vec<[f64; 3]>, NotConverged> {
+    let plain = points.par_iter().map(|point| texture.sample(point.place));
+    let filtered = points.par_iter().map(|point| prefiltered(texture, point));
     match method {
-        Method::Plain => Ok(direct(&|point| texture.sample(point.place))),
-        Method::Prefiltered => Ok(direct(&|point| prefiltered(texture, point))),
+        Method::Plain => Ok(plain.collect()),
+        Method::Prefiltered => Ok(filtered.collect()),
         Method::Optimised => optimised(texture, points, cutoff),
     }
 }
@@ -145,7 +126,7 @@ fn optimised(
     texture: &Texture,
     points: &[SamplePoint],
     cutoff: f64,
-) -> Result<Coefficients, NotConverged> {
+) -> Result<Vec<[f64; 3]>, NotConverged> {
     let plain: Vec<[f64; 3]> = points.iter().map(|p| texture.sample(p.place)).collect();
     let basis: Vec<TexelEllipse> = points
         .iter()
@@ -163,11 +144,7 @@ fn optimised(
             equations.add(&row, texture.texels[index]);
         }
     }
-    let solution = equations.solve(&plain)?;
-    Ok(Coefficients {
-        colours: solution.values,
-        iterations: solution.iterations,
-    })
+    equations.solve(&plain)
 }
 
 /// For every texel of a band of rows the points whose basis functions reach it, with their heights there.

@@ -6,17 +6,6 @@ use super::solve::NotConverged;
 use crate::scene::points::SurfaceScene;
 use crate::scene::points::height_field::{DEVIATION, HeightField};
 
-/// A draped surface and what the coefficients cost.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Draped {
-    /// The surface with its colours, 0 to 1.
-    pub scene: SurfaceScene,
-    /// Points of which a channel had to be cut to 0 to 1.
-    pub cut: usize,
-    /// Iterations of the solver, 0 for methods without one.
-    pub iterations: usize,
-}
-
 /// Grid points on a texture that covers the field from border to border, its first row in the north.
 pub fn sample_points(field: &HeightField, texture: &Texture) -> Vec<SamplePoint> {
     let across = texture.width as f64 / (field.columns - 1) as f64;
@@ -34,22 +23,23 @@ pub fn sample_points(field: &HeightField, texture: &Texture) -> Vec<SamplePoint>
     (0..field.heights.len()).map(point).collect()
 }
 
-/// The field with colours by `method`, for drawings that end basis functions at `cutoff`.
+/// The field with colours by `method`, cut to 0 to 1, for drawings that end basis functions at `cutoff`.
 pub fn drape(
     field: &HeightField,
     name: &str,
     texture: &Texture,
     method: Method,
     cutoff: f64,
-) -> Result<Draped, NotConverged> {
+) -> Result<SurfaceScene, NotConverged> {
     let points = sample_points(field, texture);
-    let found = coefficients(texture, &points, method, cutoff)?;
+    let colours = coefficients(texture, &points, method, cutoff)?;
     let mut scene = field.scene(name);
-    for (point, colour) in scene.points.iter_mut().zip(&found.colours) {
+    let mut cut = 0;
+    for (point, colour) in scene.points.iter_mut().zip(colours) {
         point.colour = colour.map(|channel| channel.clamp(0.0, 1.0));
+        cut += usize::from(point.colour != colour);
     }
     scene.coloured = true;
-    let cut = found.beyond_range();
     scene
         .notes
         .push(format!("colours: {} coefficients", method.name()));
@@ -58,9 +48,5 @@ pub fn drape(
             "colours: {cut} coefficients cut to the range of colours"
         ));
     }
-    Ok(Draped {
-        scene,
-        cut,
-        iterations: found.iterations,
-    })
+    Ok(scene)
 }

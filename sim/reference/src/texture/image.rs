@@ -8,7 +8,7 @@ use crate::cameras::lens::{Distortion, Lens};
 use crate::memory;
 use crate::picture::{Picture, png};
 use crate::scene::{LoadError, Problem};
-use anyhow::anyhow;
+use anyhow::{Context, anyhow, ensure};
 use std::path::Path;
 use zune_jpeg::JpegDecoder;
 use zune_jpeg::zune_core::bytestream::ZCursor;
@@ -81,12 +81,12 @@ pub fn load_photograph(path: &Path) -> Result<Picture, LoadError> {
                 pixels: read.texels.iter().map(opaque).collect(),
             });
         }
-        Picture::from_png(&bytes).map_err(|error| damaged(error.to_string()))
+        Picture::from_png(&bytes).map_err(damaged)
     };
     load().map_err(LoadError::about(path.display()))
 }
 
-fn damaged(reason: String) -> Problem {
+fn damaged(reason: Problem) -> Problem {
     anyhow!("picture: {reason}; give a sound .png or .jpg file")
 }
 
@@ -98,32 +98,38 @@ pub fn undistorted(photograph: &Picture, lens: &Lens) -> Picture {
     }
     let size = [photograph.width, photograph.height];
     let scale = [0, 1].map(|axis: usize| size[axis] as f64 / lens.size[axis] as f64);
-    let mut straight = Picture::new(size[0], size[1]);
-    for (at, pixel) in straight.pixels.iter_mut().enumerate() {
-        let centre = [at % size[0], at / size[0]].map(|place| place as f64 + 0.5);
+    resampled(photograph, size, |centre| {
         let direction = lens.pinhole_direction([centre[0] / scale[0], centre[1] / scale[1]]);
         let seen = lens.pixel(direction);
         let place = [seen[0] * scale[0], seen[1] * scale[1]];
-        if (0..2).all(|axis| (0.0..size[axis] as f64).contains(&place[axis])) {
-            *pixel = bilinear(&photograph.pixels, size, place);
-        }
-    }
-    straight
+        let inside = (0..2).all(|axis| (0.0..size[axis] as f64).contains(&place[axis]));
+        inside.then_some(place)
+    })
 }
 
 /// What a lens shows of a picture that its wider pinhole ([`Lens::pinhole`]) has drawn; transparent where it shows
 /// nothing.
 pub fn distorted(drawn: &Picture, pinhole: &Camera, lens: &Lens) -> Picture {
-    let size = lens.size.map(|side| side as usize);
-    let mut bent = Picture::new(size[0], size[1]);
-    for (at, pixel) in bent.pixels.iter_mut().enumerate() {
-        let centre = [at % size[0], at / size[0]].map(|place| place as f64 + 0.5);
-        if let Some([x, y]) = lens.direction(centre) {
-            let place = [pinhole.fx * x + pinhole.cx, pinhole.fy * y + pinhole.cy];
-            *pixel = bilinear(&drawn.pixels, [drawn.width, drawn.height], place);
+    resampled(drawn, lens.size.map(|side| side as usize), |centre| {
+        let [x, y] = lens.direction(centre)?;
+        Some([pinhole.fx * x + pinhole.cx, pinhole.fy * y + pinhole.cy])
+    })
+}
+
+/// A picture of what another one shows at the place that belongs to each pixel's centre; transparent without a place.
+fn resampled(
+    shown: &Picture,
+    [width, height]: [usize; 2],
+    place: impl Fn([f64; 2]) -> Option<[f64; 2]>,
+) -> Picture {
+    let mut picture = Picture::new(width, height);
+    for (at, pixel) in picture.pixels.iter_mut().enumerate() {
+        let centre = [at % width, at / width].map(|place| place as f64 + 0.5);
+        if let Some(place) = place(centre) {
+            *pixel = bilinear(&shown.pixels, [shown.width, shown.height], place);
         }
     }
-    bent
+    picture
 }
 
 /// Bilinear interpolation between pixels; beyond the border the border's.
@@ -150,26 +156,26 @@ fn between(coordinate: f64, size: usize) -> ([usize; 2], f64) {
 
 fn decode(path: &Path) -> Result<Texture, Problem> {
     let bytes = crate::scene::read_file(path)?;
-    let texture = if bytes.starts_with(JPEG) {
-        from_jpeg(&bytes)
-    } else {
-        from_png(&bytes)
+    let texture = match bytes.starts_with(JPEG) {
+        true => from_jpeg(&bytes),
+        false => from_png(&bytes),
     };
-    let texture = texture.map_err(damaged)?;
-    if texture.texels.is_empty() {
-        return Err(damaged("it has no texels".to_owned()));
-    }
-    Ok(texture)
+    let some = texture.and_then(|texture| {
+        ensure!(!texture.texels.is_empty(), "it has no texels");
+        Ok(texture)
+    });
+    some.map_err(damaged)
 }
 
 /// What a JPEG file begins with.
 const JPEG: &[u8] = &[0xff, 0xd8, 0xff];
 
-fn from_png(bytes: &[u8]) -> Result<Texture, String> {
-    let picture = png::decode(bytes).map_err(|error| error.to_string())?;
-    if picture.width.max(picture.height) > LARGEST_SIDE {
-        return Err(format!("a side has more than {LARGEST_SIDE} texels"));
-    }
+fn from_png(bytes: &[u8]) -> Result<Texture, Problem> {
+    let picture = png::decode(bytes)?;
+    ensure!(
+        picture.width.max(picture.height) <= LARGEST_SIDE,
+        "a side has more than {LARGEST_SIDE} texels"
+    );
     let texel = |[r, g, b, _]: &[u16; 4]| [r, g, b].map(|value| f64::from(*value) / 65535.0);
     Ok(Texture {
         width: picture.width,
@@ -179,22 +185,19 @@ fn from_png(bytes: &[u8]) -> Result<Texture, String> {
 }
 
 /// As other readers do, small faults of a photograph are overlooked.
-fn from_jpeg(bytes: &[u8]) -> Result<Texture, String> {
+fn from_jpeg(bytes: &[u8]) -> Result<Texture, Problem> {
     let options = DecoderOptions::default()
         .set_strict_mode(false)
         .set_max_width(LARGEST_SIDE)
         .set_max_height(LARGEST_SIDE)
         .jpeg_set_out_colorspace(ColorSpace::RGB);
     let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options);
-    decoder
-        .decode_headers()
-        .map_err(|error| error.to_string())?;
-    let (width, height) = decoder.dimensions().ok_or("it has no size")?;
+    decoder.decode_headers()?;
+    let (width, height) = decoder.dimensions().context("it has no size")?;
     let what = format!("{width} x {height} texels");
     let each = 6 + size_of::<[f64; 3]>();
-    memory::room_for_records((width * height) as u64, each, &what)
-        .map_err(|error| error.to_string())?;
-    let samples = decoder.decode().map_err(|error| error.to_string())?;
+    memory::room_for_records((width * height) as u64, each, &what)?;
+    let samples = decoder.decode()?;
     let texel = |texel: &[u8]| [0, 1, 2].map(|c: usize| f64::from(texel[c]) / 255.0);
     Ok(Texture {
         width,

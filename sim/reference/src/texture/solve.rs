@@ -25,17 +25,6 @@ pub struct NormalEquations {
     right: Vec<[f64; 3]>,
 }
 
-/// What the solver found.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Solution {
-    /// The unknowns.
-    pub values: Vec<[f64; 3]>,
-    /// Most iterations that a channel took.
-    pub iterations: usize,
-    /// Largest norm of a channel's residual, in norms of its right-hand side.
-    pub residual: f64,
-}
-
 /// The iteration did not come to an end, or not to a finite one.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error(
@@ -73,16 +62,12 @@ impl NormalEquations {
         }
     }
 
-    /// Solves the equations, damped towards `start`.
-    pub fn solve(&self, start: &[[f64; 3]]) -> Result<Solution, NotConverged> {
-        let mut solution = Solution {
-            values: start.to_vec(),
-            iterations: 0,
-            residual: 0.0,
-        };
+    /// The unknowns, damped towards `start`.
+    pub fn solve(&self, start: &[[f64; 3]]) -> Result<Vec<[f64; 3]>, NotConverged> {
+        let mut unknowns = start.to_vec();
         let diagonal = self.mean_diagonal();
         if diagonal == 0.0 {
-            return Ok(solution);
+            return Ok(unknowns);
         }
         let damping = DAMPING * diagonal;
         let matrix = self.matrix(damping);
@@ -90,14 +75,12 @@ impl NormalEquations {
             let first: Vec<f64> = start.iter().map(|colour| colour[channel]).collect();
             let right = self.right.iter().zip(&first);
             let right = right.map(|(sum, w0)| sum[channel] + damping * w0).collect();
-            let (values, iterations, residual) = solve_one(&matrix, dense(right), dense(first))?;
-            for (value, found) in solution.values.iter_mut().zip(values) {
-                value[channel] = found;
+            let values = solve_one(&matrix, dense(right), dense(first))?;
+            for (unknown, value) in unknowns.iter_mut().zip(values) {
+                unknown[channel] = value;
             }
-            solution.iterations = solution.iterations.max(iterations);
-            solution.residual = solution.residual.max(residual);
         }
-        Ok(solution)
+        Ok(unknowns)
     }
 
     fn mean_diagonal(&self) -> f64 {
@@ -127,12 +110,12 @@ impl NormalEquations {
     }
 }
 
-/// One channel's unknowns, iterations and residual.
+/// One channel's unknowns.
 fn solve_one(
     matrix: &CsMat<f64>,
     right: CsVec<f64>,
     start: CsVec<f64>,
-) -> Result<(Vec<f64>, usize, f64), NotConverged> {
+) -> Result<Vec<f64>, NotConverged> {
     let norm = right.l2_norm().max(f64::MIN_POSITIVE);
     let tolerance = TOLERANCE * norm;
     let fresh = BiCGSTAB::<f64, _, _>::new(matrix.view(), start.view(), right.view());
@@ -153,13 +136,12 @@ fn solve_one(
         Err(solver) => (false, solver),
     };
     let values = solver.x().to_dense().to_vec();
-    let (residual, iterations) = (solver.err() / norm, solver.iteration_count());
     if ended && values.iter().all(|value| value.is_finite()) {
-        Ok((values, iterations, residual))
+        Ok(values)
     } else {
         Err(NotConverged {
-            residual,
-            iterations,
+            residual: solver.err() / norm,
+            iterations: solver.iteration_count(),
         })
     }
 }
@@ -229,26 +211,18 @@ mod tests {
         }
         let expected = eliminated(dense, right);
         let solution = equations.solve(&start).unwrap();
-        for (found, expected) in solution.values.iter().zip(expected) {
+        for (found, expected) in solution.iter().zip(expected) {
             assert!((found[1] - expected).abs() < 1e-6, "{found:?} {expected}");
         }
-        // Solved once, there is nothing left to do.
-        assert!(solution.residual < TOLERANCE);
     }
 
     #[test]
     fn without_equations_and_with_an_exact_start_nothing_moves() {
         let start = vec![[0.25, 0.5, 0.75]; 4];
-        assert_eq!(NormalEquations::new(4).solve(&start).unwrap().values, start);
+        assert_eq!(NormalEquations::new(4).solve(&start).unwrap(), start);
         let mut equations = NormalEquations::new(4);
         (0..4).for_each(|k| equations.add(&[(k, 1.0)], start[k]));
-        assert_eq!(equations.solve(&start).unwrap().values, start);
-        assert!(
-            NormalEquations::new(0)
-                .solve(&[])
-                .unwrap()
-                .values
-                .is_empty()
-        );
+        assert_eq!(equations.solve(&start).unwrap(), start);
+        assert!(NormalEquations::new(0).solve(&[]).unwrap().is_empty());
     }
 }

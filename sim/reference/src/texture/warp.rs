@@ -108,11 +108,9 @@ fn in_space(camera: &Camera, place: [f64; 2], depth: f64) -> Vector {
 }
 
 fn sample(centre: Vector, spacing: f64, colour: [f64; 3]) -> Splat {
-    let deviation = DEVIATION_PER_SPACING * spacing;
-    let axis = |k: usize| [0, 1, 2].map(|c| if c == k { deviation } else { 0.0 });
     Splat {
         centre,
-        axes: [axis(0), axis(1), axis(2)],
+        axes: vector::diagonal([DEVIATION_PER_SPACING * spacing; 3]),
         weight: OPACITY,
         colour,
     }

@@ -4,15 +4,8 @@ use splatline_reference::camera::{Camera, DEFAULT_FAR, DEFAULT_NEAR, MAX_SIZE};
 use splatline_reference::vector;
 
 fn sample() -> Camera {
-    Camera::look_at(
-        [0.0, -5.0, -8.0],
-        [0.0; 3],
-        [0.0, -1.0, 0.0],
-        60.0,
-        320,
-        240,
-    )
-    .unwrap()
+    let (eye, up) = ([0.0, -5.0, -8.0], [0.0, -1.0, 0.0]);
+    Camera::look_at(eye, [0.0; 3], up, 60.0, 320, 240).unwrap()
 }
 
 /// A camera file with one field replaced.
@@ -60,17 +53,8 @@ fn look_at_refuses_views_without_a_direction() {
     assert_eq!(look(o, z, y, 60.0, 0, 8), Some("width"));
     assert_eq!(look(o, z, y, 60.0, 8, MAX_SIZE + 1), Some("height"));
     // Far from the origin and with a long up vector all is well.
-    assert!(
-        Camera::look_at(
-            [1e6, 0.0, 0.0],
-            [1e6, 0.0, 1e-3],
-            [0.0, 1e300, 0.0],
-            60.0,
-            8,
-            8
-        )
-        .is_ok()
-    );
+    let (far, ahead, long) = ([1e6, 0.0, 0.0], [1e6, 0.0, 1e-3], [0.0, 1e300, 0.0]);
+    assert!(Camera::look_at(far, ahead, long, 60.0, 8, 8).is_ok());
 }
 
 #[test]
@@ -133,29 +117,23 @@ fn unsound_files_are_refused_by_field() {
 fn errors_name_the_file() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("view.json");
-    let missing = Camera::corrected_from_json_file(&path)
-        .unwrap_err()
-        .to_string();
+    let refused = || {
+        let refused = Camera::corrected_from_json_file(&path);
+        refused.unwrap_err().to_string()
+    };
+    let missing = refused();
     assert!(
         missing.contains("view.json") && missing.contains("cannot be opened"),
         "{missing}"
     );
     std::fs::write(&path, file_with("fx", serde_json::json!(0))).unwrap();
-    let error = Camera::corrected_from_json_file(&path)
-        .unwrap_err()
-        .to_string();
     let expected = format!(
         "camera file '{}': 'fx' is 0, but must be positive and finite (in pixels)",
         path.display()
     );
-    assert_eq!(error, expected);
+    assert_eq!(refused(), expected);
     std::fs::write(&path, vec![b' '; 2 << 20]).unwrap();
-    assert!(
-        Camera::corrected_from_json_file(&path)
-            .unwrap_err()
-            .to_string()
-            .contains("at most")
-    );
+    assert!(refused().contains("at most"));
 }
 
 #[test]
@@ -170,18 +148,11 @@ fn resizing_scales_the_intrinsics() {
 
 /// A rotation about a slant axis, its entries rounded to a step.
 fn rounded_rotation(step: f64) -> [[f64; 3]; 3] {
-    let sample = Camera::look_at(
-        [1.3, -2.1, 0.7],
-        [0.2, 0.4, 3.0],
-        [0.1, -1.0, 0.3],
-        50.0,
-        8,
-        8,
-    );
-    sample
+    let (eye, target, up) = ([1.3, -2.1, 0.7], [0.2, 0.4, 3.0], [0.1, -1.0, 0.3]);
+    let rotation = Camera::look_at(eye, target, up, 50.0, 8, 8)
         .unwrap()
-        .rotation
-        .map(|row| row.map(|entry| (entry / step).round() * step))
+        .rotation;
+    rotation.map(|row| row.map(|entry| (entry / step).round() * step))
 }
 
 fn file_of(rotation: [[f64; 3]; 3], translation: [f64; 3]) -> String {

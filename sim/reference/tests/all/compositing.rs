@@ -46,16 +46,11 @@ fn assert_close(computed: [f64; 4], expected: [f64; 4]) {
 #[test]
 fn nearer_splats_cover_farther_ones_and_ties_go_by_index() {
     let far_first = stack(&[(0.5, 3.0), (0.25, 2.0)]);
-    for compositing in [Compositing::FrontToBack, Compositing::BackToFront] {
-        assert_close(
-            pixel_of(&far_first, &Rules::GAUSSIAN_3D, compositing),
-            [0.375, 0.25, 0.0, 0.625],
-        );
-        let tied = stack(&[(0.5, 2.0), (0.25, 2.0)]);
-        assert_close(
-            pixel_of(&tied, &Rules::GAUSSIAN_3D, compositing),
-            [0.5, 0.125, 0.0, 0.625],
-        );
+    let tied = stack(&[(0.5, 2.0), (0.25, 2.0)]);
+    for order in [Compositing::FrontToBack, Compositing::BackToFront] {
+        let pixel = |stacked| pixel_of(stacked, &Rules::GAUSSIAN_3D, order);
+        assert_close(pixel(&far_first), [0.375, 0.25, 0.0, 0.625]);
+        assert_close(pixel(&tied), [0.5, 0.125, 0.0, 0.625]);
     }
     let depths = [3.0, 2.0, 3.0, 2.0, 1.0, 2.0].map(|depth| (0.5, depth));
     let (scene, camera) = stack(&depths);
@@ -66,10 +61,8 @@ fn nearer_splats_cover_farther_ones_and_ties_go_by_index() {
 #[test]
 fn x_ray_sums_and_clamps_at_the_end() {
     let stacked = stack(&[(0.5, 3.0), (0.75, 2.0), (0.25, 1.0), (0.75, 1.5)]);
-    assert_close(
-        pixel_of(&stacked, &Rules::GAUSSIAN_3D, Compositing::XRay),
-        [1.0, 0.75, 0.25, 1.0],
-    );
+    let pixel = pixel_of(&stacked, &Rules::GAUSSIAN_3D, Compositing::XRay);
+    assert_close(pixel, [1.0, 0.75, 0.25, 1.0]);
 }
 
 #[test]
@@ -80,40 +73,25 @@ fn a_finished_pixel_stops_before_or_after_its_last_splat() {
         alpha_max: 0.9995,
         ..Rules::GAUSSIAN_3D
     };
-    assert_close(
-        pixel_of(&opaque, &deeper, Compositing::FrontToBack),
-        [0.9, 0.0, 0.0, 0.9],
-    );
     let after = Rules {
         omit_finishing: false,
         ..deeper
     };
-    assert_close(
-        pixel_of(&opaque, &after, Compositing::FrontToBack),
-        [0.9, 0.09995, 0.0, 0.99995],
-    );
     let never = Rules {
         minimum_transmittance: 0.0,
         ..deeper
     };
-    let expected = [0.9, 0.09995, 0.000025, 1.0 - 0.000025];
-    assert_close(
-        pixel_of(&opaque, &never, Compositing::FrontToBack),
-        expected,
-    );
-    assert_close(
-        pixel_of(&opaque, &deeper, Compositing::BackToFront),
-        expected,
-    );
-    let covered = |rules: &Rules| {
-        float::draw(&opaque.0, &opaque.1, rules, Compositing::FrontToBack)
-            .counts
-            .covered_pixels
-    };
-    assert_eq!(
-        [covered(&deeper), covered(&after), covered(&never)],
-        [1, 2, 3]
-    );
+    let whole = [0.9, 0.09995, 0.000025, 1.0 - 0.000025];
+    for (rules, expected, covered) in [
+        (&deeper, [0.9, 0.0, 0.0, 0.9], 1),
+        (&after, [0.9, 0.09995, 0.0, 0.99995], 2),
+        (&never, whole, 3),
+    ] {
+        let drawing = float::draw(&opaque.0, &opaque.1, rules, Compositing::FrontToBack);
+        assert_close(drawing.picture.pixels[0], expected);
+        assert_eq!(drawing.counts.covered_pixels, covered);
+    }
+    assert_close(pixel_of(&opaque, &deeper, Compositing::BackToFront), whole);
 }
 
 #[test]

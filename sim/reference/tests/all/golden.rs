@@ -7,6 +7,7 @@ use splatline_reference::engines::compositor::{self, OnScreen, ScreenSplat};
 use splatline_reference::engines::float::Footprint;
 use splatline_reference::engines::golden::{self, ALL, Deviation, GoldenA, GoldenSplat};
 use splatline_reference::engines::{Culled, exact, float};
+use splatline_reference::metrics::compare;
 use splatline_reference::picture::Picture;
 use splatline_reference::rules::{Compositing, Rules};
 use splatline_reference::scene::Splat;
@@ -40,30 +41,14 @@ fn float_agrees_with_sixty_digits_and_with_independent_pictures() {
     print_table(&deviations);
     for d in &deviations {
         assert!(d.splats > 0, "{}: nothing compared", d.category);
-        assert!(
-            d.conic <= 1e-9,
-            "{}: conic differs by {:e}",
-            d.category,
-            d.conic
-        );
-        assert!(
-            d.centre <= 1e-12,
-            "{}: centre differs by {:e}",
-            d.category,
-            d.centre
-        );
-        assert!(
-            d.depth <= 1e-15,
-            "{}: depth differs by {:e}",
-            d.category,
-            d.depth
-        );
-        assert!(
-            d.picture <= 2e-5,
-            "{}: picture differs by {:e}",
-            d.category,
-            d.picture
-        );
+        for (name, found, most) in [
+            ("conic", d.conic, 1e-9),
+            ("centre", d.centre, 1e-12),
+            ("depth", d.depth, 1e-15),
+            ("picture", d.picture, 2e-5),
+        ] {
+            assert!(found <= most, "{}: {name} differs by {found:e}", d.category);
+        }
     }
 }
 
@@ -143,15 +128,6 @@ fn only_splats_that_leave_no_trace_are_culled() {
     }
 }
 
-/// Peak signal to noise ratio of the colours, in decibels.
-fn psnr(a: &Picture, b: &Picture) -> f64 {
-    let pixels = a.pixels.iter().zip(&b.pixels);
-    let squares: f64 = pixels
-        .flat_map(|(a, b)| (0..3).map(move |i| (a[i] - b[i]).powi(2)))
-        .sum();
-    -10.0 * (squares / (3 * a.pixels.len()) as f64).log10()
-}
-
 /// A footprint whose Gaussian is lowered to reach zero at three standard deviations: how the renderer of the tiny
 /// scene avoids a visible edge, and its one difference from the `3dgs` rules.
 struct FadedTail(Footprint);
@@ -179,7 +155,7 @@ impl ScreenSplat for FadedTail {
 #[test]
 #[cfg_attr(
     not(has_data),
-    ignore = "the shared data were not beside the project when this was built"
+    ignore = "built without the shared data beside the project"
 )]
 fn tiny_scene_agrees_with_an_independent_renderer() {
     let folder = shared_folder();
@@ -190,20 +166,14 @@ fn tiny_scene_agrees_with_an_independent_renderer() {
     let camera = Camera::look_at(eye, [0.0; 3], up, 60.0, 320, 240).unwrap();
     let (rules, order) = (Rules::GAUSSIAN_3D, Compositing::FrontToBack);
 
-    let plain = psnr(
-        &float::draw(&scene, &camera, &rules, order).picture,
-        &expected,
-    );
-    let exact = psnr(
-        &exact::draw(&scene, &camera, &rules, order).picture,
-        &expected,
-    );
+    let psnr = |drawn: &Picture| compare(drawn, &expected).unwrap().colour.psnr_db;
+    let plain = psnr(&float::draw(&scene, &camera, &rules, order).picture);
+    let exact = psnr(&exact::draw(&scene, &camera, &rules, order).picture);
     let faded: Vec<_> = float::footprints(&scene, &camera, &rules)
         .into_iter()
         .map(|outcome| outcome.map(FadedTail))
         .collect();
-    let faded = compositor::draw(&faded, &camera, &rules, order, &|_, _| ()).picture;
-    let faded = psnr(&faded, &expected);
+    let faded = psnr(&compositor::draw(&faded, &camera, &rules, order, &|_, _| ()).picture);
     println!(
         "tiny scene: float {plain:.2} dB, exact {exact:.2} dB, float with faded tails {faded:.2} dB"
     );

@@ -129,7 +129,6 @@ pub fn draw(
     design: &DesignChoice,
     traversal: Traversal,
 ) -> SurfaceDrawing {
-    let points = QuantisedPoints::new(scene, camera);
     let options = SurfaceOptions {
         style,
         design,
@@ -137,7 +136,7 @@ pub fn draw(
         engine: best_engine(),
         counts: true,
     };
-    draw_quantised(&points, scene, camera, &options)
+    draw_with(scene, camera, &options)
 }
 
 /// How a surface is drawn.
@@ -156,14 +155,13 @@ pub struct SurfaceOptions<'a> {
     pub counts: bool,
 }
 
-/// Draws points of `scene` that have been quantised for `camera`.
-pub fn draw_quantised(
-    points: &QuantisedPoints,
+/// Draws `scene` as `camera` sees it, by the engine that the options name.
+pub fn draw_with(
     scene: &SurfaceScene,
     camera: &Camera,
     options: &SurfaceOptions,
 ) -> SurfaceDrawing {
-    let mut renderer = SurfaceRenderer::new(points, scene, camera, options);
+    let mut renderer = SurfaceRenderer::new(scene, camera, options);
     let mut picture = Picture::new(camera.width, camera.height);
     let facts = renderer.draw_picture(&mut picture);
     let mut resolved = vec![(Pixel::default(), 0.0); picture.pixels.len()];
@@ -173,7 +171,7 @@ pub fn draw_quantised(
         picture,
         pixels,
         weights,
-        clamped: points.clamped,
+        clamped: renderer.clamped(),
         facts,
     }
 }

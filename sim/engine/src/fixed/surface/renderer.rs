@@ -30,9 +30,7 @@ use splatline::draw::Coverage;
 use splatline::draw::surface::SurfacePainter;
 use splatline::format::Traversal;
 use splatline::raster::Window;
-use splatline::rules as kernel;
 use splatline::setup::Cull;
-use std::borrow::Borrow;
 use std::cell::RefCell;
 use std::time::Instant;
 
@@ -66,53 +64,47 @@ impl SurfaceFacts {
     }
 }
 
-/// Points with all that their frames need. They may be borrowed or owned.
-pub struct SurfaceRenderer<'a, P = QuantisedPoints> {
-    points: P,
+/// A surface with all that its frames need.
+pub struct SurfaceRenderer<'a> {
+    points: QuantisedPoints,
     camera: &'a Camera,
-    frames: SurfaceFrames<'a>,
-}
-
-/// What does not know how the points are held, and is therefore compiled here and not again by whoever draws.
-struct SurfaceFrames<'a> {
     options: SurfaceOptions<'a>,
     table: TableMemory,
     threshold: u32,
     /// What vectors gather by, if they can.
     numbers: Option<GatherNumbers>,
     materials: Vec<shading::Material>,
-    memory: SurfaceFrameMemory,
-}
-
-/// The memory of frames.
-#[derive(Default)]
-struct SurfaceFrameMemory {
     outcomes: Vec<SurfaceOutcome>,
     order: TileOrder,
     /// Tile after tile, each row by row.
     resolved: Vec<Resolved>,
 }
 
-impl<'a, P: Borrow<QuantisedPoints>> SurfaceRenderer<'a, P> {
-    /// Points of `scene` that have been quantised for `camera`. Frames are drawn by the rayon pool that they are asked
-    /// for in.
-    pub fn new(
-        points: P,
-        scene: &SurfaceScene,
-        camera: &'a Camera,
-        options: &SurfaceOptions<'a>,
-    ) -> Self {
-        let frames = SurfaceFrames::new(points.borrow(), scene, options);
+impl<'a> SurfaceRenderer<'a> {
+    /// The scene in the kernel's formats. Frames are drawn by the rayon pool that they are asked for in.
+    pub fn new(scene: &SurfaceScene, camera: &'a Camera, options: &SurfaceOptions<'a>) -> Self {
+        let SurfaceOptions { style, design, .. } = *options;
+        let points = QuantisedPoints::new(scene, camera);
+        let table = TableMemory::new(&design.widths, &kernel_rules(style));
+        let threshold = threshold(style, &points);
+        let numbers = match (options.engine, options.traversal) {
+            (PaintEngine::Vectors(_), Traversal::Spans) => {
+                GatherNumbers::new(&table, threshold, design.lane_bits())
+            }
+            _ => None,
+        };
         SurfaceRenderer {
             points,
             camera,
-            frames,
+            options: *options,
+            table,
+            threshold,
+            numbers,
+            materials: scene.materials.iter().map(material).collect(),
+            outcomes: Vec::new(),
+            order: TileOrder::default(),
+            resolved: Vec::new(),
         }
-    }
-
-    /// Draws a frame, which [`copy`](SurfaceRenderer::copy) hands out.
-    pub fn draw(&mut self) -> SurfaceFacts {
-        self.frames.draw(self.points.borrow(), self.camera)
     }
 
     /// Draws a frame as a picture in double precision, converted without further rounding; one of another size is
@@ -124,7 +116,7 @@ impl<'a, P: Borrow<QuantisedPoints>> SurfaceRenderer<'a, P> {
         if [picture.width, picture.height] != [width, height] {
             *picture = Picture::new(width, height);
         }
-        let convert = converter(&self.frames.options.design.widths, 0);
+        let convert = converter(&self.options.design.widths, 0);
         self.copy(&mut picture.pixels, |pixel, _| convert(pixel));
         let [setup, lists, _] = facts.times;
         let rest = started.elapsed().as_secs_f64() - setup - lists;
@@ -136,110 +128,26 @@ impl<'a, P: Borrow<QuantisedPoints>> SurfaceRenderer<'a, P> {
 
     /// The last frame's pixels, row by row, as the caller wants them; `convert` is given a pixel and its weight sums,
     /// in units of 1.0.
-    pub fn copy<T: Send>(&self, frame: &mut [T], convert: impl Fn(&Pixel, f64) -> T + Sync) {
-        let unit = exp2(-i32::from(sum_fraction(&self.frames.options.design.widths)));
-        let viewport = self.points.borrow().view.viewport;
+    pub(super) fn copy<T: Send>(&self, frame: &mut [T], convert: impl Fn(&Pixel, f64) -> T + Sync) {
+        let unit = exp2(-i32::from(sum_fraction(&self.options.design.widths)));
         let of_pixel =
             |Resolved { pixel, weight }: &Resolved| convert(pixel, *weight as f64 * unit);
-        copy_tiles(&self.frames.memory.resolved, viewport, frame, of_pixel);
+        copy_tiles(&self.resolved, self.points.view.viewport, frame, of_pixel);
     }
 
     /// Points of which a coordinate was clamped to its format.
     pub fn clamped(&self) -> usize {
-        self.points.borrow().clamped
-    }
-}
-
-impl<'a> SurfaceFrames<'a> {
-    fn new(points: &QuantisedPoints, scene: &SurfaceScene, options: &SurfaceOptions<'a>) -> Self {
-        let SurfaceOptions {
-            style,
-            design,
-            traversal,
-            engine,
-            counts: _,
-        } = *options;
-        let table = TableMemory::new(&design.widths, &kernel_rules(style));
-        let threshold = threshold(style, points);
-        let numbers = match (engine, traversal) {
-            (PaintEngine::Vectors(_), Traversal::Spans) => {
-                GatherNumbers::new(&table, threshold, design.lane_bits())
-            }
-            _ => None,
-        };
-        SurfaceFrames {
-            options: *options,
-            table,
-            threshold,
-            numbers,
-            materials: scene.materials.iter().map(material).collect(),
-            memory: SurfaceFrameMemory::default(),
-        }
+        self.points.clamped
     }
 
-    fn draw(&mut self, points: &QuantisedPoints, camera: &Camera) -> SurfaceFacts {
-        let SurfaceFrames {
-            options,
-            table,
-            numbers,
-            materials,
-            memory,
-            threshold,
-        } = self;
-        let SurfaceOptions { style, design, .. } = *options;
-        let gather = WeightedSum::new(&design.widths, *threshold);
-        let shading = style.light.map(|light| {
-            let light = direction(camera, light);
-            Shading::new(&design.widths, materials, light, &points.view)
-        });
-        let edges = style
-            .edge
-            .and_then(|tau| EdgeFilter::new((tau * exp2(30)) as u32));
-        let constants = TileConstants {
-            gather,
-            resolve: Resolve::new(&design.widths, gather, shading, edges),
-            numbers: numbers.as_ref().zip(options.engine.vectors()),
-            counts: options.counts,
-        };
-        let (design, rules) = (design.in_fields(), &table.rules);
-        let painter = SurfacePainter::new(design, rules, table.table(), gather, options.traversal);
-        let mut frame = |tiles: &dyn SurfaceTiles| {
-            let plan = SurfaceFramePlan {
-                points,
-                options,
-                rules,
-                tiles,
-            };
-            memory.draw(&plan)
-        };
-        match style.buffer {
-            Buffer::Accumulation => frame(&GatherTiles::<Accumulation>::new(painter, &constants)),
-            Buffer::Layers(0 | 1) => frame(&GatherTiles::<Layers<1>>::new(painter, &constants)),
-            Buffer::Layers(2) => frame(&GatherTiles::<Layers<2>>::new(painter, &constants)),
-            Buffer::Layers(3) => frame(&GatherTiles::<Layers<3>>::new(painter, &constants)),
-            Buffer::Layers(4) => frame(&GatherTiles::<Layers<4>>::new(painter, &constants)),
-            Buffer::Layers(_) => frame(&GatherTiles::<Layers<8>>::new(painter, &constants)),
-        }
-    }
-}
-
-/// How points become pixels, whatever the cells.
-struct SurfaceFramePlan<'a> {
-    points: &'a QuantisedPoints,
-    options: &'a SurfaceOptions<'a>,
-    rules: &'a kernel::Rules,
-    tiles: &'a dyn SurfaceTiles,
-}
-
-impl SurfaceFrameMemory {
-    fn draw(&mut self, plan: &SurfaceFramePlan) -> SurfaceFacts {
+    fn draw(&mut self) -> SurfaceFacts {
         let started = Instant::now();
-        let grid = Grid::new(plan.points.view.viewport, TILE);
-        let set_up = self.set_up(plan);
+        let grid = Grid::new(self.points.view.viewport, TILE);
+        let set_up = self.set_up();
         let set_up_at = started.elapsed().as_secs_f64();
         self.order.sort(&grid);
         let sorted_at = started.elapsed().as_secs_f64();
-        let painted = self.paint(&grid, plan);
+        let painted = self.paint(&grid);
         let rest = started.elapsed().as_secs_f64() - sorted_at;
         SurfaceFacts {
             times: [set_up_at, sorted_at - set_up_at, rest],
@@ -247,9 +155,10 @@ impl SurfaceFrameMemory {
         }
     }
 
-    fn set_up(&mut self, plan: &SurfaceFramePlan) -> SurfaceFacts {
-        let (QuantisedPoints { view, splats, .. }, options) = (plan.points, plan.options);
+    fn set_up(&mut self) -> SurfaceFacts {
+        let (QuantisedPoints { view, splats, .. }, options) = (&self.points, &self.options);
         let (design, vectors) = (options.design.in_fields(), options.engine.vectors());
+        let rules = &self.table.rules;
         if self.outcomes.len() != splats.len() {
             // In parallel: most of its time is the first touch of its memory.
             self.outcomes = splats.par_iter().map(|_| Err(Cull::Near)).collect();
@@ -259,7 +168,7 @@ impl SurfaceFrameMemory {
             &mut self.outcomes,
             &|work| work(),
             &|splats, outcomes, first, keys| {
-                setup::set_up(design, view, plan.rules, splats, outcomes, vectors);
+                setup::set_up(design, view, rules, splats, outcomes, vectors);
                 let mut backfaces = 0;
                 // In the scene's order: for the sort all are equally near.
                 let culled = note(outcomes, first, keys, |surface| {
@@ -277,35 +186,66 @@ impl SurfaceFrameMemory {
         )
     }
 
-    /// Every tile on some core. Not inlined, so that a profiler can tell it from the rest.
-    #[inline(never)]
-    fn paint(&mut self, grid: &Grid, plan: &SurfaceFramePlan) -> SurfaceFacts {
-        let SurfaceFrameMemory {
-            outcomes,
-            order,
-            resolved,
-        } = self;
-        resolved.resize(grid.len() * AREA, Resolved::default());
-        // One by one: a thread that has drawn its own empty ones takes over from another's full ones.
-        let tiles = resolved.par_chunks_mut(AREA).enumerate().with_max_len(1);
-        tiles
-            .map(|(tile, resolved)| {
-                let window = grid.window(tile);
-                let resolved = &mut resolved[..window.pixels()];
-                let tile = SurfaceTile {
-                    window,
-                    footprints: outcomes,
-                    list: order.list(tile),
-                };
-                SCRATCH.with_borrow_mut(|scratch| {
-                    let (coverage, merged) = plan.tiles.paint(scratch, tile, resolved);
-                    SurfaceFacts {
-                        coverage,
-                        merged,
-                        ..SurfaceFacts::default()
-                    }
-                })
-            })
-            .reduce(SurfaceFacts::default, SurfaceFacts::add)
+    /// Every tile into cells of the style's kind.
+    fn paint(&mut self, grid: &Grid) -> SurfaceFacts {
+        let (options, widths) = (&self.options, &self.options.design.widths);
+        let gather = WeightedSum::new(widths, self.threshold);
+        let shading = options.style.light.map(|light| {
+            let light = direction(self.camera, light);
+            Shading::new(widths, &self.materials, light, &self.points.view)
+        });
+        let edge = options.style.edge;
+        let edges = edge.and_then(|tau| EdgeFilter::new((tau * exp2(30)) as u32));
+        let constants = TileConstants {
+            gather,
+            resolve: Resolve::new(widths, gather, shading, edges),
+            numbers: self.numbers.as_ref().zip(options.engine.vectors()),
+            counts: options.counts,
+        };
+        let (design, table) = (options.design.in_fields(), &self.table);
+        let (rules, traversal) = (&table.rules, options.traversal);
+        let painter = SurfacePainter::new(design, rules, table.table(), gather, traversal);
+        let (outcomes, order, resolved) = (&self.outcomes, &self.order, &mut self.resolved);
+        let mut frame =
+            |tiles: &dyn SurfaceTiles| paint_tiles(grid, tiles, outcomes, order, resolved);
+        match options.style.buffer {
+            Buffer::Accumulation => frame(&GatherTiles::<Accumulation>::new(painter, &constants)),
+            Buffer::Layers(0 | 1) => frame(&GatherTiles::<Layers<1>>::new(painter, &constants)),
+            Buffer::Layers(2) => frame(&GatherTiles::<Layers<2>>::new(painter, &constants)),
+            Buffer::Layers(3) => frame(&GatherTiles::<Layers<3>>::new(painter, &constants)),
+            Buffer::Layers(4) => frame(&GatherTiles::<Layers<4>>::new(painter, &constants)),
+            Buffer::Layers(_) => frame(&GatherTiles::<Layers<8>>::new(painter, &constants)),
+        }
     }
+}
+
+/// Every tile on some core. Not inlined, so that a profiler can tell it from the rest.
+#[inline(never)]
+fn paint_tiles(
+    grid: &Grid,
+    tiles: &dyn SurfaceTiles,
+    outcomes: &[SurfaceOutcome],
+    order: &TileOrder,
+    resolved: &mut Vec<Resolved>,
+) -> SurfaceFacts {
+    resolved.resize(grid.len() * AREA, Resolved::default());
+    // One by one: a thread that has drawn its own empty ones takes over from another's full ones.
+    let places = resolved.par_chunks_mut(AREA).enumerate().with_max_len(1);
+    let painted = places.map(|(tile, resolved)| {
+        let window = grid.window(tile);
+        let resolved = &mut resolved[..window.pixels()];
+        let tile = SurfaceTile {
+            window,
+            footprints: outcomes,
+            list: order.list(tile),
+        };
+        let (coverage, merged) =
+            SCRATCH.with_borrow_mut(|scratch| tiles.paint(scratch, tile, resolved));
+        SurfaceFacts {
+            coverage,
+            merged,
+            ..SurfaceFacts::default()
+        }
+    });
+    painted.reduce(SurfaceFacts::default, SurfaceFacts::add)
 }

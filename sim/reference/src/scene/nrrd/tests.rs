@@ -1,6 +1,6 @@
 //! Tests of the NRRD reader: types, encodings, spacings, damage.
 
-use crate::scene::damage_tests::{assert_told, gzip, survives};
+use crate::scene::damage_tests::{assert_refused, assert_refused_with, gzip, rows, survives};
 
 use super::super::volume::Volume;
 use super::*;
@@ -20,56 +20,33 @@ fn attached(kind: &str, encoding: &str, more: &str, data: &[u8]) -> Vec<u8> {
     [header(kind, encoding, more).as_bytes(), b"\n", data].concat()
 }
 
-fn values(bytes: &[u8]) -> Vec<f32> {
-    load(bytes, None).unwrap().values
-}
-
 #[test]
 fn types_and_byte_orders_are_read() {
-    assert_eq!(
-        values(&attached("uchar", "raw", "", &[1, 2, 3, 255])),
-        [1.0, 2.0, 3.0, 255.0]
-    );
-    assert_eq!(
-        values(&attached(
-            "unsigned char",
-            "gzip",
-            "",
-            &gzip(&[1, 2, 3, 255])
-        )),
-        [1.0, 2.0, 3.0, 255.0]
-    );
-    assert_eq!(
-        values(&attached("int8", "raw", "", &[1, 2, 3, 255])),
-        [1.0, 2.0, 3.0, -1.0]
-    );
+    let bytes = [1, 2, 3, 255];
     let numbers = [-2i16, 300, 0, 32_767];
-    let (little, big) = (
-        numbers.map(i16::to_le_bytes).concat(),
-        numbers.map(i16::to_be_bytes).concat(),
-    );
-    assert_eq!(
-        values(&attached("short", "raw", "endian: little\n", &little)),
-        [-2.0, 300.0, 0.0, 32_767.0]
-    );
-    assert_eq!(
-        values(&attached("int16_t", "gz", "endian: big\n", &gzip(&big))),
-        [-2.0, 300.0, 0.0, 32_767.0]
-    );
-    assert_eq!(
-        values(&attached("uint16", "raw", "endian: big\n", &big)),
-        [65_534.0, 300.0, 0.0, 32_767.0]
-    );
+    let [little, big] =
+        [i16::to_le_bytes, i16::to_be_bytes].map(|order| numbers.map(order).concat());
     let floats = [0.5f32, -1.5, 1e30, 0.0];
-    assert_eq!(
-        values(&attached(
-            "float",
+    let big_floats = floats.map(f32::to_be_bytes).concat();
+    let (unsigned, signed) = ([1.0, 2.0, 3.0, 255.0], [-2.0, 300.0, 0.0, 32_767.0]);
+    for (kind, encoding, endian, data, expected) in [
+        ("uchar", "raw", "", bytes.to_vec(), unsigned),
+        ("unsigned char", "gzip", "", gzip(&bytes), unsigned),
+        ("int8", "raw", "", bytes.to_vec(), [1.0, 2.0, 3.0, -1.0]),
+        ("short", "raw", "endian: little\n", little, signed),
+        ("int16_t", "gz", "endian: big\n", gzip(&big), signed),
+        (
+            "uint16",
             "raw",
             "endian: big\n",
-            &floats.map(f32::to_be_bytes).concat()
-        )),
-        floats
-    );
+            big,
+            [65_534.0, 300.0, 0.0, 32_767.0],
+        ),
+        ("float", "raw", "endian: big\n", big_floats, floats),
+    ] {
+        let file = attached(kind, encoding, endian, &data);
+        assert_eq!(load(&file, None).unwrap().values, expected, "{kind}");
+    }
 }
 
 #[test]
@@ -125,118 +102,60 @@ fn damaged_files_are_refused() {
 
 #[test]
 fn each_message_names_the_field_and_the_fix() {
-    let replace = |from: &str, to: &str| {
-        let text = header("uchar", "raw", "") + "\n";
-        assert!(text.contains(from));
-        text.replace(from, to) + "\0\0\0\0"
-    };
-    let plain = |more: &str| header("uchar", "raw", more) + "\n\0\0\0\0";
+    let load = |bytes: &[u8]| load(bytes, None);
+    let replaced = r"
+        NRRD0004 => NRRD9999 => NRRD header line 1, magic: it is not NRRD0001 to NRRD0005; check
+        type: uchar => type: block => line 3, type: 'block' is not supported; convert to uchar
+        type: uchar\n => => type: the header lacks it; add it before the data
+        type: uchar => type: short => endian: the header lacks it; add it before the data
+        dimension: 3 => dimension: 4 => line 4, dimension: it is '4'; give a 3D volume
+        sizes: 2 1 2 => sizes: 2 0 2 => line 5, sizes: '2 0 2' is not three positive whole numbers
+        sizes: 2 1 2 => sizes: 2 2 => line 5, sizes: '2 2' is not three positive whole numbers
+        2 1 2 => 10000 10000 10000 => volume data: 1000000000000 bytes are needed but 4 are
+        encoding: raw => encoding: bzip2 => line 7, encoding: 'bzip2' is not supported; convert to raw or gzip
+        encoding: raw => encoding: gzip => volume data: the gzip stream is damaged or truncated
+    ";
+    assert_refused_with(&attached("uchar", "raw", "", &[0; 4]), replaced, load);
+    let added = r"
+        spacings: 1 0 1 => line 8, spacings: '1 0 1' is not three positive lengths
+        spacings: 1 inf 1 => line 8, spacings: '1 inf 1' is not three positive lengths
+        space directions: (1,1,0) (0,1,0) (0,0,1) => is not three axis-aligned vectors; resample
+        space directions: none (0,1,0) (0,0,1) => is not three axis-aligned vectors; resample
+        spacings: 1 1 1\nspace directions: (1,0,0) (0,1,0) (0,0,1) => spacings are given as well; give one
+        sizes: 2 1 2 => line 8, sizes: it is given twice; give it once
+        byte skip: 5 => line 8, byte skip: this field is not supported; remove it
+        data file: slice%03d.raw 1 9 1 => is not one file; join the slices into one data file
+        nonsense => line 8, header: 'nonsense' is no field; write 'field: value'
+    ";
+    for [line, expected] in rows(added) {
+        let bytes = attached("uchar", "raw", &(line + "\n"), &[0; 4]);
+        assert_refused(&[(bytes, &*expected)], load);
+    }
     let cases = [
         (
-            "NRRD9999\n".to_string(),
-            "NRRD header line 1, magic: it is not NRRD0001 to NRRD0005; check",
-        ),
-        (
-            replace("type: uchar", "type: block"),
-            "line 3, type: 'block' is not supported; convert to uchar",
-        ),
-        (
-            replace("type: uchar\n", ""),
-            "type: the header lacks it; add it before the data",
-        ),
-        (
-            replace("type: uchar", "type: short"),
-            "endian: the header lacks it; add it before the data",
-        ),
-        (
-            replace("dimension: 3", "dimension: 4"),
-            "line 4, dimension: it is '4'; give a 3D volume",
-        ),
-        (
-            replace("sizes: 2 1 2", "sizes: 2 0 2"),
-            "line 5, sizes: '2 0 2' is not three positive whole numbers",
-        ),
-        (
-            replace("sizes: 2 1 2", "sizes: 2 2"),
-            "line 5, sizes: '2 2' is not three positive whole numbers",
-        ),
-        (
-            replace("sizes: 2 1 2", "sizes: 10000 10000 10000"),
-            "volume data: 1000000000000 bytes are needed but 4 are",
-        ),
-        (
-            replace("sizes: 2 1 2", "sizes: 9999999999 9999999999 9999999999"),
+            b"NRRD0004\ntype: int8\ndimension: 3\nsizes: 9999999999 9999999999 9999999999\nencoding: raw\n\n".to_vec(),
             "sizes: 9999999999 elements of 9999999999 bytes; correct the absurd count in the header",
         ),
         (
-            replace("encoding: raw", "encoding: bzip2"),
-            "line 7, encoding: 'bzip2' is not supported; convert to raw or gzip",
-        ),
-        (
-            replace("encoding: raw", "encoding: gzip"),
-            "volume data: the gzip stream is damaged or truncated",
-        ),
-        (
-            plain("endian: middle\n").replace("uchar", "short"),
+            attached("short", "raw", "endian: middle\n", &[0; 8]),
             "endian: it is 'middle'; write 'little' or 'big'",
         ),
         (
-            plain("spacings: 1 0 1\n"),
-            "line 8, spacings: '1 0 1' is not three positive lengths",
-        ),
-        (
-            plain("spacings: 1 inf 1\n"),
-            "line 8, spacings: '1 inf 1' is not three positive lengths",
-        ),
-        (
-            plain("space directions: (1,1,0) (0,1,0) (0,0,1)\n"),
-            "is not three axis-aligned vectors; resample",
-        ),
-        (
-            plain("space directions: none (0,1,0) (0,0,1)\n"),
-            "is not three axis-aligned vectors; resample",
-        ),
-        (
-            plain("spacings: 1 1 1\nspace directions: (1,0,0) (0,1,0) (0,0,1)\n"),
-            "spacings are given as well; give one",
-        ),
-        (
-            plain("sizes: 2 1 2\n"),
-            "line 8, sizes: it is given twice; give it once",
-        ),
-        (
-            plain("byte skip: 5\n"),
-            "line 8, byte skip: this field is not supported; remove it",
-        ),
-        (
-            plain("data file: slice%03d.raw 1 9 1\n"),
-            "is not one file; join the slices into one data file",
-        ),
-        (
-            plain("nonsense\n"),
-            "line 8, header: 'nonsense' is no field; write 'field: value'",
-        ),
-        (
-            plain("") + "\0",
+            attached("uchar", "raw", "", &[0; 5]),
             "volume data: there are 5 bytes where sizes and type need 4; correct sizes or type",
         ),
         (
-            header("uchar", "raw", ""),
+            header("uchar", "raw", "").into_bytes(),
             "NRRD header: it ends without the blank line before the data, and names no data file",
         ),
         (
-            header("uchar", "raw", "cont"),
+            header("uchar", "raw", "cont").into_bytes(),
             "line 8, header: it ends in the middle of a line; fetch the file again",
         ),
+        (
+            attached("uchar", "gzip", "", &gzip(&[0; 100_000])),
+            "volume data: more than the 4 bytes that the header justifies",
+        ),
     ];
-    for (text, expected) in cases {
-        let found = load(text.as_bytes(), None).unwrap_err().to_string();
-        assert_told(&found, expected);
-    }
-    let bomb = attached("uchar", "gzip", "", &gzip(&[0; 100_000]));
-    let found = load(&bomb, None).unwrap_err().to_string();
-    assert!(
-        found.contains("volume data: more than the 4 bytes that the header justifies"),
-        "{found}"
-    );
+    assert_refused(&cases, load);
 }

@@ -2,7 +2,7 @@
 
 use super::super::Skipped;
 use super::*;
-use crate::scene::damage_tests::{assert_told, survives};
+use crate::scene::damage_tests::{assert_refused, rows, survives};
 
 const FIELDS: [&str; 14] = [
     "x", "y", "z", "f_dc_0", "f_dc_1", "f_dc_2", "opacity", "scale_0", "scale_1", "scale_2",
@@ -214,7 +214,7 @@ fn absurd_counts_are_refused_at_once() {
 #[test]
 #[cfg_attr(
     not(has_data),
-    ignore = "the shared data were not beside the project when this was built"
+    ignore = "built without the shared data beside the project"
 )]
 fn a_point_cloud_is_told_that_surface_splats_come_later() {
     let bytes = header(
@@ -239,91 +239,61 @@ fn a_point_cloud_is_told_that_surface_splats_come_later() {
 
 #[test]
 fn each_message_names_the_field_and_the_fix() {
+    let load = |bytes: &[u8]| load(bytes, "x");
+    let texts = r"
+        nonsense\n => PLY header line 1: it is not 'ply'; check that this is a PLY file
+        ply\n => PLY header line 2: the file ends before end_header; fetch the file again: it is truncated
+        ply\nend_header\n => no format line came before end_header; add 'format binary_little_endian 1.0'
+        ply\nformat odd 1.0\n => PLY header line 2, format: 'odd' is unknown; use ascii
+        ply\nwhat\n => PLY header line 2: 'what' is not understood; expected format, element
+        ply\nproperty float x\n => a property comes before any element; put an element line before it
+        ply\nelement vertex -1\n => element vertex: the count '-1' is no whole number; write the number
+        ply\nelement vertex 1\nproperty x\n => it is neither 'property TYPE NAME' nor
+        ply\nelement vertex 1\nproperty half x\n => line 3, property: the type 'half' is unknown; use one
+        ply\nformat ascii 1.0\nend_header\n => there is no element 'vertex'; export the scene as a 3D
+    ";
+    for [text, expected] in rows(texts) {
+        assert_refused(&[(text, &*expected)], load);
+    }
     let full = properties(&FIELDS);
-    let with = |extra: &str| [&full[..], &[extra.to_string()]].concat();
-    let cases: Vec<(String, &str)> = vec![
-        (
-            "nonsense\n".into(),
-            "PLY header line 1: it is not 'ply'; check that this is a PLY file",
-        ),
-        (
-            "ply\n".into(),
-            "PLY header line 2: the file ends before end_header; fetch the file again: it is truncated",
-        ),
-        (
-            "ply\nend_header\n".into(),
-            "no format line came before end_header; add 'format binary_little_endian 1.0'",
-        ),
-        (
-            "ply\nformat odd 1.0\n".into(),
-            "PLY header line 2, format: 'odd' is unknown; use ascii",
-        ),
-        (
-            "ply\nwhat\n".into(),
-            "PLY header line 2: 'what' is not understood; expected format, element",
-        ),
-        (
-            "ply\nproperty float x\n".into(),
-            "a property comes before any element; put an element line before it",
-        ),
-        (
-            "ply\nelement vertex -1\n".into(),
-            "element vertex: the count '-1' is no whole number; write the number",
-        ),
-        (
-            "ply\nelement vertex 1\nproperty x\n".into(),
-            "it is neither 'property TYPE NAME' nor",
-        ),
-        (
-            "ply\nelement vertex 1\nproperty half x\n".into(),
-            "line 3, property: the type 'half' is unknown; use one",
-        ),
-        (
-            "ply\nformat ascii 1.0\nend_header\n".into(),
-            "there is no element 'vertex'; export the scene as a 3D",
-        ),
+    let added = r"
+        element vertex 1 => element 'vertex' is declared twice; declare it once
+        property float x => element vertex: property 'x' is declared twice; declare it once
+        property float f_rest_0 => properties f_rest_*: there are 1; degrees 0 to 4
+        property uint packed_position => there is packed_position but no element 'chunk'
+    ";
+    let with = |extra: &str| [&full[..], &[extra.to_owned() + "\n"]].concat();
+    for [line, expected] in rows(added) {
+        assert_refused(&[(header("ascii", "1", &with(&line)), &*expected)], load);
+    }
+    let body = |rest: &str| header("ascii", "1", &full) + rest;
+    let cases = [
         (
             header("ascii", "0", &full),
             "element vertex: its count is 0; export a scene with splats in it",
-        ),
-        (
-            header("ascii", "1", &with("element vertex 1\n")),
-            "element 'vertex' is declared twice; declare it once",
-        ),
-        (
-            header("ascii", "1", &with("property float x\n")),
-            "element vertex: property 'x' is declared twice; declare it once",
         ),
         (
             header("ascii", "1", &full[1..]),
             "property x: the Gaussians' element vertex lacks it; export the scene with",
         ),
         (
-            header("ascii", "1", &with("property float f_rest_0\n")),
-            "properties f_rest_*: there are 1; degrees 0 to 4",
-        ),
-        (
-            header("ascii", "1", &with("property uint packed_position\n")),
-            "there is packed_position but no element 'chunk'",
-        ),
-        (
-            header("ascii", "1", &full) + &"1 ".repeat(20) + "\n",
+            body(&("1 ".repeat(20) + "\n")),
             "line 19: '1' stands after the last property",
         ),
         (
-            header("ascii", "1", &full) + &" ".repeat(40) + "1 2\n",
+            body(&(" ".repeat(40) + "1 2\n")),
             "line 19, property z: the line ends before it",
         ),
         (
-            header("ascii", "1", &full) + "1 two 3 4 5 6 7 8 9 10 11 12 13 14\n",
+            body("1 two 3 4 5 6 7 8 9 10 11 12 13 14\n"),
             "property y: 'two' is no number; write",
         ),
         (
-            header("ascii", "1", &full) + &"1 ".repeat(14),
+            body(&"1 ".repeat(14)),
             "the file ends without a newline, so the last number may",
         ),
         (
-            header("ascii", "1", &full) + &" \n".repeat(30),
+            body(&" \n".repeat(30)),
             "line 49: the file ends before the last record; fetch it",
         ),
         (
@@ -331,14 +301,11 @@ fn each_message_names_the_field_and_the_fix() {
             "PLY body: 1 bytes are left over after the last record",
         ),
         (
-            header("ascii", "1", &with("property list int int odd\n")) + &"1 ".repeat(14) + "-1\n",
+            header("ascii", "1", &with("property list int int odd")) + &"1 ".repeat(14) + "-1\n",
             "line 20, property odd: the list length -1 is no count; correct the list",
         ),
     ];
-    for (text, expected) in cases {
-        let found = message(text.as_bytes());
-        assert_told(&found, expected);
-    }
+    assert_refused(&cases, load);
 }
 
 fn with_comment(line: &str) -> Vec<u8> {

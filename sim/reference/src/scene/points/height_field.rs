@@ -212,14 +212,11 @@ fn read_row(line: &str, number: usize, heights: &mut Vec<f64>) -> Result<(), Pro
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn parse(text: &str) -> Result<HeightField, String> {
-        HeightField::parse(text.as_bytes(), 0.5).map_err(|problem| problem.to_string())
-    }
+    use crate::scene::damage_tests::{assert_refused, rows};
 
     #[test]
     fn rows_run_from_south_to_north() {
-        let field = parse("0, 1, 2\n\n10;11;12\r\n").unwrap();
+        let field = HeightField::parse(b"0, 1, 2\n\n10;11;12\r\n", 0.5).unwrap();
         assert_eq!((field.columns, field.rows), (3, 2));
         assert_eq!(field.place(0, 0), [-0.5, -0.25, 0.0]);
         assert_eq!(field.place(2, 1), [0.5, 0.25, 12.0]);
@@ -228,22 +225,18 @@ mod tests {
 
     #[test]
     fn malformed_files_name_the_line_and_the_fix() {
-        for (text, expected) in [
-            (
-                "1,2\n3,x",
-                "line 2, height 2: 'x' is no finite number; write heights",
-            ),
-            ("1,2\n3,inf", "line 2, height 2: 'inf'"),
-            ("1,2\n3,", "line 2, height 2: ''"),
-            (
-                "1,2\n\n3,4,5",
-                "line 3: it has 3 heights where the first row has 2",
-            ),
-            ("", "the grid has 0 rows of 0"),
-            ("1,2,3", "the grid has 1 rows of 3; give at least 2 rows"),
-        ] {
-            let message = parse(text).unwrap_err();
-            assert!(message.contains(expected), "{message}");
+        let table = r"
+            1,2\n3,x => line 2, height 2: 'x' is no finite number; write heights
+            1,2\n3,inf => line 2, height 2: 'inf'
+            1,2\n3, => line 2, height 2: ''
+            1,2\n\n3,4,5 => line 3: it has 3 heights where the first row has 2
+            => the grid has 0 rows of 0
+            1,2,3 => the grid has 1 rows of 3; give at least 2 rows
+        ";
+        for [text, expected] in rows(table) {
+            assert_refused(&[(text, &*expected)], |bytes| {
+                HeightField::parse(bytes, 0.5)
+            });
         }
     }
 

@@ -6,6 +6,7 @@
 use super::SurfaceScene;
 use crate::rules::Rules;
 use crate::scene::{Scene, Splat};
+use crate::vector;
 
 /// Half the spacing of the scanned lion, scene units: the spheres of neighbouring points meet.
 pub const LION_DEVIATION: f64 = 0.0035;
@@ -20,11 +21,7 @@ pub const RULES: Rules = Rules {
 pub fn as_spheres(cloud: &SurfaceScene, deviation: f64) -> Scene {
     let splats = cloud.points.iter().map(|point| Splat {
         centre: point.centre,
-        axes: [
-            [deviation, 0.0, 0.0],
-            [0.0, deviation, 0.0],
-            [0.0, 0.0, deviation],
-        ],
+        axes: vector::diagonal([deviation; 3]),
         weight: 1.0,
         colour: point.colour,
     });

@@ -1,7 +1,7 @@
 //! Tests of transfer functions: interpolation, presets, the file format and its messages.
 
 use super::*;
-use crate::scene::damage_tests::assert_told;
+use crate::scene::damage_tests::{assert_refused, assert_refused_with};
 
 const GOOD: &str = "
 [[value]]
@@ -83,59 +83,19 @@ fn assert_well_formed(transfer: &Transfer) {
 
 #[test]
 fn each_message_names_the_key_and_the_line() {
-    let cases = [
-        (
-            "at = 20.0",
-            "at = 5.0",
-            "transfer line 7, key 'value.at': it is 5 after 10; order the control points",
-        ),
-        (
-            "at = 8.0",
-            "at = nan",
-            "transfer line 14, key 'gradient.at': it is NaN after 0; order",
-        ),
-        (
-            "extinction = 4.0",
-            "extinction = -4.0",
-            "transfer line 9, key 'value.extinction': it is -4; write a number",
-        ),
-        (
-            "multiplier = 2.0",
-            "multiplier = inf",
-            "transfer line 15, key 'gradient.multiplier': it is inf; write",
-        ),
-        (
-            "[1.0, 0.5, 0.0]",
-            "[1.0, 0.5, 2.0]",
-            "transfer line 8, key 'value.colour': it is [1.0, 0.5, 2.0]; write RGB",
-        ),
-        (
-            "ambient = 0.5",
-            "ambient = -0.5",
-            "transfer line 17, key 'shading.ambient': it is -0.5; write",
-        ),
-        (
-            "ambient = 0.5",
-            "ambience = 0.5",
-            "transfer line 17, 'ambience = 0.5': unknown field `ambience`",
-        ),
-        (
-            "at = 20.0",
-            "at = \"x\"",
-            "transfer line 7, 'at = \"x\"': invalid type",
-        ),
-        ("extinction = 4.0\n", "", "missing field `extinction`"),
-        (
-            GOOD,
-            "",
-            "transfer, key 'value': it is missing; add [[value]] control points",
-        ),
-    ];
-    for (from, to, expected) in cases {
-        assert!(GOOD.contains(from));
-        let found = Transfer::from_toml(&GOOD.replace(from, to))
-            .unwrap_err()
-            .to_string();
-        assert_told(&found, expected);
-    }
+    let load = |text: &[u8]| Transfer::from_toml(&String::from_utf8_lossy(text));
+    let table = r#"
+        at = 20.0 => at = 5.0 => transfer line 7, key 'value.at': it is 5 after 10; order the control points
+        at = 8.0 => at = nan => transfer line 14, key 'gradient.at': it is NaN after 0; order
+        extinction = 4.0 => extinction = -4.0 => transfer line 9, key 'value.extinction': it is -4; write a number
+        multiplier = 2.0 => multiplier = inf => transfer line 15, key 'gradient.multiplier': it is inf; write
+        [1.0, 0.5, 0.0] => [1.0, 0.5, 2.0] => transfer line 8, key 'value.colour': it is [1.0, 0.5, 2.0]; write RGB
+        ambient = 0.5 => ambient = -0.5 => transfer line 17, key 'shading.ambient': it is -0.5; write
+        ambient = 0.5 => ambience = 0.5 => transfer line 17, 'ambience = 0.5': unknown field `ambience`
+        at = 20.0 => at = "x" => transfer line 7, 'at = "x"': invalid type
+        extinction = 4.0\n => => missing field `extinction`
+    "#;
+    assert_refused_with(GOOD.as_bytes(), table, load);
+    let missing = "transfer, key 'value': it is missing; add [[value]] control points";
+    assert_refused(&[("", missing)], load);
 }

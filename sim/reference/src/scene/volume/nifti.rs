@@ -85,15 +85,18 @@ pub(in super::super) fn load(bytes: &[u8]) -> Result<Noted, Problem> {
     header.volume(unpacked.get(header.offset..).unwrap_or_default())
 }
 
-struct Header<'a> {
-    bytes: &'a [u8],
-    layout: &'static NiftiLayout,
+/// What a header says.
+struct Header {
     grid: Grid,
+    /// Where the numbers begin.
     offset: usize,
+    /// Values are the first times what is stored, plus the second.
+    scale: [f64; 2],
+    is_turned: bool,
 }
 
-impl<'a> Header<'a> {
-    fn read(bytes: &'a [u8]) -> Result<Self, Problem> {
+impl Header {
+    fn read(bytes: &[u8]) -> Result<Header, Problem> {
         let size: [u8; 4] = bytes
             .first_chunk()
             .copied()
@@ -117,100 +120,86 @@ impl<'a> Header<'a> {
             "NIfTI header, magic: it is not that of a single file; \
              join header (.hdr) and data (.img) in one .nii file"
         );
-        let mut header = Header {
-            bytes,
-            layout,
+        let number = |(place, kind): Place, index: usize| {
+            let stored = bytes.get(place + index * kind.size()..);
+            kind.decode(stored.unwrap_or_default(), endian)
+        };
+        let kind = kind(number(layout.datatype, 0) as i16)?;
+        Ok(Header {
             grid: Grid {
-                sizes: [1; 3],
-                spacings: [1.0; 3],
-                kind: Scalar::U8,
+                sizes: sizes(std::array::from_fn(|index| number(layout.dim, index)))?,
+                spacings: spacings([1, 2, 3].map(|axis| number(layout.pixdim, axis).abs()))?,
+                kind,
                 endian,
             },
-            offset: length,
-        };
-        header.grid.kind = header.kind()?;
-        header.grid.sizes = header.sizes()?;
-        header.grid.spacings = header.spacings()?;
-        header.offset = header.offset(length)?;
-        Ok(header)
-    }
-
-    /// The number at an index of a field.
-    fn number(&self, (place, kind): Place, index: usize) -> f64 {
-        let stored = self.bytes.get(place + index * kind.size()..);
-        let stored = stored.unwrap_or_default();
-        kind.decode(stored, self.grid.endian)
-    }
-
-    fn kind(&self) -> Result<Scalar, Problem> {
-        Ok(match self.number(self.layout.datatype, 0) as i16 {
-            2 => Scalar::U8,
-            4 => Scalar::I16,
-            8 => Scalar::I32,
-            16 => Scalar::F32,
-            64 => Scalar::F64,
-            256 => Scalar::I8,
-            512 => Scalar::U16,
-            768 => Scalar::U32,
-            other => bail!(
-                "NIfTI header, datatype: it is {other}; \
-                 convert to integers of 8 to 32 bits or to floats, one per voxel"
-            ),
+            offset: offset(number(layout.offset, 0), length)?,
+            scale: [0, 1].map(|index| number(layout.slope, index)),
+            is_turned: (0..2).any(|index| number(layout.codes, index) != 0.0),
         })
     }
 
-    /// Three axes; further ones of one entry are no axes.
-    fn sizes(&self) -> Result<[usize; 3], Problem> {
-        let dim = |index: usize| self.number(self.layout.dim, index);
-        let axes = dim(0);
-        let further = (4..8).filter(|axis| *axis as f64 <= axes);
-        let single = further.into_iter().all(|axis| dim(axis) == 1.0);
-        let sizes = [1, 2, 3].map(dim);
-        // A size that a double cannot hold exactly fits no file.
-        let positive = sizes.iter().all(|size| (1.0..=9e15).contains(size));
-        if !(3.0..=7.0).contains(&axes) || !single || !positive {
-            let list: Vec<String> = (0..8).map(|index| dim(index).to_string()).collect();
-            bail!(
-                "NIfTI header, dim: it is {}; give one volume of three axes; \
-                 take one out of a series",
-                list.join(" ")
-            );
-        }
-        Ok(sizes.map(|size| size as usize))
-    }
-
-    fn spacings(&self) -> Result<[f64; 3], Problem> {
-        let spacings = [1, 2, 3].map(|axis| self.number(self.layout.pixdim, axis).abs());
-        if spacings.into_iter().all(is_spacing) {
-            Ok(spacings)
-        } else {
-            bail!(
-                "NIfTI header, pixdim: {spacings:?} are no distances between voxels; \
-                 write three positive lengths"
-            )
-        }
-    }
-
-    fn offset(&self, least: usize) -> Result<usize, Problem> {
-        let offset = self.number(self.layout.offset, 0);
-        if (least as f64..MAX_OFFSET).contains(&offset) && offset.fract() == 0.0 {
-            return Ok(offset as usize);
-        }
-        bail!(
-            "NIfTI header, vox_offset: it is {offset}; \
-             the data of a single file begin behind its header; export the volume again"
-        )
-    }
-
     fn volume(&self, data: &[u8]) -> Result<Noted, Problem> {
-        let [slope, inter] = [0, 1].map(|index| self.number(self.layout.slope, index));
+        let [slope, inter] = self.scale;
         let mut values = self.grid.decode(data)?;
         if slope != 0.0 && slope.is_finite() && inter.is_finite() && (slope, inter) != (1.0, 0.0) {
             for value in &mut values {
                 *value = (slope * f64::from(*value) + inter) as f32;
             }
         }
-        let is_turned = (0..2).any(|index| self.number(self.layout.codes, index) != 0.0);
-        Ok((self.grid.volume(values), turned(is_turned)))
+        Ok((self.grid.volume(values), turned(self.is_turned)))
     }
+}
+
+fn kind(code: i16) -> Result<Scalar, Problem> {
+    Ok(match code {
+        2 => Scalar::U8,
+        4 => Scalar::I16,
+        8 => Scalar::I32,
+        16 => Scalar::F32,
+        64 => Scalar::F64,
+        256 => Scalar::I8,
+        512 => Scalar::U16,
+        768 => Scalar::U32,
+        other => bail!(
+            "NIfTI header, datatype: it is {other}; \
+             convert to integers of 8 to 32 bits or to floats, one per voxel"
+        ),
+    })
+}
+
+/// Three axes, after their number; further ones of one entry are no axes.
+fn sizes(dim: [f64; 8]) -> Result<[usize; 3], Problem> {
+    let [axes, x, y, z, further @ ..] = dim;
+    let further = (4..)
+        .zip(further)
+        .filter(|(axis, _)| f64::from(*axis) <= axes);
+    let single = further.into_iter().all(|(_, size)| size == 1.0);
+    // A size that a double cannot hold exactly fits no file.
+    let positive = [x, y, z].iter().all(|size| (1.0..=9e15).contains(size));
+    if !(3.0..=7.0).contains(&axes) || !single || !positive {
+        bail!(
+            "NIfTI header, dim: it is {}; give one volume of three axes; \
+             take one out of a series",
+            dim.map(|size| size.to_string()).join(" ")
+        );
+    }
+    Ok([x, y, z].map(|size| size as usize))
+}
+
+fn spacings(found: [f64; 3]) -> Result<[f64; 3], Problem> {
+    ensure!(
+        found.into_iter().all(is_spacing),
+        "NIfTI header, pixdim: {found:?} are no distances between voxels; \
+         write three positive lengths"
+    );
+    Ok(found)
+}
+
+fn offset(found: f64, least: usize) -> Result<usize, Problem> {
+    ensure!(
+        (least as f64..MAX_OFFSET).contains(&found) && found.fract() == 0.0,
+        "NIfTI header, vox_offset: it is {found}; \
+         the data of a single file begin behind its header; export the volume again"
+    );
+    Ok(found as usize)
 }
