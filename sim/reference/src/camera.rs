@@ -263,9 +263,10 @@ impl Camera {
         let wrong =
             |error: serde_json::Error| CameraError::whole(format!("not a camera in JSON: {error}"));
         let is_report = serde_json::from_str::<HasCamera>(text).is_ok();
-        let file = match is_report {
-            true => serde_json::from_str(text).map(|ReportFile { camera }| camera),
-            false => serde_json::from_str(text),
+        let file = if is_report {
+            serde_json::from_str(text).map(|ReportFile { camera }| camera)
+        } else {
+            serde_json::from_str(text)
         };
         let file: CameraFile = file.map_err(wrong)?;
         let field = "world_to_camera";
@@ -364,9 +365,10 @@ impl Camera {
 
     /// The direction, of any length, in which a place in camera space is seen.
     pub fn ray(&self, position: Vector) -> Vector {
-        match self.orthographic {
-            true => [0.0, 0.0, 1.0],
-            false => position,
+        if self.orthographic {
+            [0.0, 0.0, 1.0]
+        } else {
+            position
         }
     }
 
@@ -490,9 +492,10 @@ fn check(
     field: &'static str,
     problem: impl FnOnce() -> String,
 ) -> Result<(), CameraError> {
-    match holds {
-        true => Ok(()),
-        false => Err(CameraError::new(field, problem())),
+    if holds {
+        Ok(())
+    } else {
+        Err(CameraError::new(field, problem()))
     }
 }
 

@@ -196,9 +196,10 @@ impl FramingInput {
     /// Such a camera moved so that a capture fills the picture, and how many outlying splats it leaves outside; other
     /// scenes keep theirs.
     pub fn filled(&self, camera: Camera, scene: &Scene) -> (Camera, usize) {
-        match scene.is_capture() {
-            true => fill::filled(camera, scene, self.ball.centre),
-            false => (camera, 0),
+        if scene.is_capture() {
+            fill::filled(camera, scene, self.ball.centre)
+        } else {
+            (camera, 0)
         }
     }
 

@@ -234,9 +234,10 @@ pub fn draw(scene: &Scene, camera: &Camera, rules: &Rules, stages: &RoundedStage
     let projected = compositor::project_all(scene, camera, rules, |splat| {
         let n = |value| stages.setup.number(value);
         let plain = plain::project(splat, camera, rules, n)?;
-        let place = match by_distance {
-            true => plain::dot(plain.position, plain.position).sqrt(),
-            false => plain.position[2],
+        let place = if by_distance {
+            plain::dot(plain.position, plain.position).sqrt()
+        } else {
+            plain.position[2]
         };
         Ok(RoundedFootprint {
             plain,

@@ -201,9 +201,10 @@ fn difference<const N: usize>(computed: [f64; N], exact: [f64; N], floor: f64) -
 
 /// Like `f64::max`, but a NaN is as bad as can be instead of ignored.
 fn raise(most: &mut f64, difference: f64) {
-    *most = match difference.is_nan() {
-        true => f64::INFINITY,
-        false => most.max(difference),
+    *most = if difference.is_nan() {
+        f64::INFINITY
+    } else {
+        most.max(difference)
     };
 }
 

@@ -65,9 +65,10 @@ pub fn project(splat: &Splat, camera: &Camera, rules: &Rules) -> Option<Rational
         return None;
     }
     let focal = [camera.fx, camera.fy].map(exact);
-    let distance = match camera.orthographic {
-        true => BigRational::one(),
-        false => z.clone(),
+    let distance = if camera.orthographic {
+        BigRational::one()
+    } else {
+        z.clone()
     };
     let on_plane = [0, 1].map(|i| &t[i] / &distance);
     let centre = [camera.cx, camera.cy].map(exact);

@@ -120,9 +120,10 @@ impl Scene {
         Scene {
             name: name.into(),
             natural_rules,
-            weight: match natural_rules.normalised {
-                true => Weight::Mass,
-                false => Weight::Opacity,
+            weight: if natural_rules.normalised {
+                Weight::Mass
+            } else {
+                Weight::Opacity
             },
             splats,
             harmonics: None,

@@ -156,9 +156,10 @@ fn between(coordinate: f64, size: usize) -> ([usize; 2], f64) {
 
 fn decode(path: &Path) -> Result<Texture, Problem> {
     let bytes = crate::scene::read_file(path)?;
-    let texture = match bytes.starts_with(JPEG) {
-        true => from_jpeg(&bytes),
-        false => from_png(&bytes),
+    let texture = if bytes.starts_with(JPEG) {
+        from_jpeg(&bytes)
+    } else {
+        from_png(&bytes)
     };
     let some = texture.and_then(|texture| {
         ensure!(!texture.texels.is_empty(), "it has no texels");

@@ -162,9 +162,10 @@ impl<'a> VtiFile<'a> {
             }
             ("appended", Some((data, raw))) => {
                 let data = self.appended_at(data)?;
-                let stored = match raw {
-                    true => self.unpacked(data, needed, "appended data")?,
-                    false => self.encoded(data, needed)?,
+                let stored = if raw {
+                    self.unpacked(data, needed, "appended data")?
+                } else {
+                    self.encoded(data, needed)?
                 };
                 self.grid.decode(&stored)?
             }

@@ -58,24 +58,23 @@ pub(super) fn cloud(bytes: &[u8]) -> Result<Cloud, Problem> {
         records: Vec::new(),
         withheld: 0,
     };
-    match header.packed {
-        false => {
-            let mut reader = Reader::new(bytes);
-            reader.take(header.first_record, "LAS header")?;
-            let records = reader.records(header.count, header.record_bytes, "point records")?;
-            points.records = memory::list(header.count, "the points")?;
-            records
-                .chunks_exact(header.record_bytes)
-                .for_each(|record| points.push(record));
-        }
+    if header.packed {
+        #[cfg(not(feature = "laz"))]
+        return Err(crate::scene::error::without("laz"));
         #[cfg(feature = "laz")]
-        true => {
+        {
             laz::check_count(bytes, &header)?;
             points.records = memory::list(header.count, "the points")?;
             laz::unpack(bytes, &header, &mut |record| points.push(record))?;
         }
-        #[cfg(not(feature = "laz"))]
-        true => return Err(crate::scene::error::without("laz")),
+    } else {
+        let mut reader = Reader::new(bytes);
+        reader.take(header.first_record, "LAS header")?;
+        let records = reader.records(header.count, header.record_bytes, "point records")?;
+        points.records = memory::list(header.count, "the points")?;
+        records
+            .chunks_exact(header.record_bytes)
+            .for_each(|record| points.push(record));
     }
     Ok(points.finish())
 }
