@@ -2,6 +2,7 @@
 
 use super::record::{Words, record};
 use serde::{Deserialize, Serialize};
+use std::fmt::Write;
 
 /// A field of a record.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -142,9 +143,12 @@ impl VectorStage {
         for (field, value) in self.fields.iter().zip(record) {
             field.put(&mut words, *value);
         }
-        let digit = |at: usize| (words[at / 16] >> (4 * (at % 16)) & 15) as u32;
-        let digits = (0..self.bits().div_ceil(4)).rev();
-        text.extend(digits.filter_map(|at| char::from_digit(digit(at), 16)));
+        // Sixteen digits a word, the last word first, which has what remains.
+        let digits = self.bits().div_ceil(4);
+        for (at, word) in words.iter().enumerate().take(digits.div_ceil(16)).rev() {
+            let width = (digits - 16 * at).min(16);
+            let _ = write!(text, "{word:0width$x}"); // A string takes all.
+        }
         text.push('\n');
     }
 
