@@ -11,7 +11,7 @@ use super::row_words::{SeedWords, SquaredWidth, longest_rest};
 use super::rows::BLOCKS;
 use super::setup::number::{Word, power};
 use super::setup::real::{Real, Reals};
-use super::tile::{TILE, is_in_one_tile};
+use super::tile::TILE;
 use splatline::footprint::Footprint;
 use splatline::format::Widths;
 use splatline::math::SoftFloat;
@@ -45,6 +45,8 @@ pub struct Member {
     pub rows: [u16; 2],
     /// Columns of the box in the window.
     pub visible: [u16; 2],
+    /// Do its rows lie in two blocks, as all do in a tile of the screen?
+    is_short: bool,
 }
 
 /// Some footprints and their constants; memory that is used again for the next ones.
@@ -70,10 +72,9 @@ impl Member {
 }
 
 impl RowGroup {
-    /// Takes a footprint as number `k`, for a window in one tile of the screen.
+    /// Takes a footprint as number `k`.
     #[inline(always)]
     pub fn read(&mut self, k: usize, footprint: &Footprint, window: &Window) {
-        debug_assert!(is_in_one_tile(window), "{window:?}");
         let (ldl, bounds) = (&footprint.ldl, Window::of(footprint));
         let visible = bounds.intersect(window);
         let ([x, y], [right, end]) = (visible.first, visible.end);
@@ -82,6 +83,7 @@ impl RowGroup {
         self.members[k % WORDS] = Member {
             rows: [y, end],
             visible: [x, right],
+            is_short: end <= block.saturating_add(ROW_BLOCKS as u16 * BLOCK),
         };
         let words = [
             packed(ldl.squared_width),
@@ -234,7 +236,7 @@ impl RowGroup {
     /// Are the words of footprint number `k` as large as most are, so that its constants are the kernel's?
     #[inline(always)]
     pub fn is_ordinary(&self, k: usize) -> bool {
-        self.doubt[k % WORDS] == 0
+        self.members[k % WORDS].is_short && self.doubt[k % WORDS] == 0
     }
 
     /// 2 A in the unit of radial indices.

@@ -21,11 +21,3 @@ pub(in crate::fast) fn extent(window: &Window) -> [usize; 2] {
         usize::from(side.min(TILE[axis]))
     })
 }
-
-/// Does the window lie in one tile of the screen's grid? Rows are seeded at the blocks of such a tile.
-pub(in crate::fast) fn is_in_one_tile(window: &Window) -> bool {
-    (0..2).all(|axis: usize| {
-        let last = window.end[axis].saturating_sub(1).max(window.first[axis]);
-        window.first[axis] / TILE[axis] == last / TILE[axis]
-    })
-}
