@@ -6,7 +6,7 @@
 
 #![allow(unsafe_code)]
 
-use super::words::{Falls, Lanes, ShareShift, Sums};
+use super::words::{Lanes, ShareShift, Sums};
 #[cfg(not(miri))]
 use std::arch::asm;
 use std::arch::x86_64::*;
@@ -283,21 +283,16 @@ impl Lanes for Avx2 {
         self.sub(shifted, self.splat(turn))
     }
     #[inline(always)]
-    fn gather(self, table: &[u32], index: __m256i) -> [__m256i; 2] {
+    fn pairs(self, table: &[u32], index: __m256i) -> __m256i {
         let Some(last) = table.len().checked_sub(2) else {
-            return [self.splat(0); 2];
+            return self.splat(0);
         };
-        let last = self.splat(i64::from(last as u32));
-        let index = op!(_mm256_min_epu32(index, last));
+        let index = op!(_mm256_min_epu32(index, self.splat(i64::from(last as u32))));
+        let words = table.as_ptr();
         // SAFETY: every index and the next one lie in the table. An entry and the next one are a word of 64 bits.
-        unsafe {
-            let words = table.as_ptr();
-            let pairs = four_words(self, index, |place| {
-                words.add(place).cast::<u64>().read_unaligned()
-            });
-            let low = _mm256_and_si256(pairs, self.splat(u32::MAX.into()));
-            [low, _mm256_srli_epi64::<32>(pairs)]
-        }
+        four_words(self, index, |place| unsafe {
+            words.add(place).cast::<u64>().read_unaligned()
+        })
     }
     #[inline(always)]
     fn any(self, a: __m256i) -> bool {
@@ -351,6 +346,28 @@ impl Lanes for Avx2 {
         }
     }
     #[inline(always)]
+    fn unmarked(self, a: __m256i) -> __m256i {
+        // What becomes of lower halves is shifted out.
+        let positive = op!(_mm256_max_epi32(a, _mm256_setzero_si256()));
+        self.upper(positive)
+    }
+    #[inline(always)]
+    fn upper(self, a: __m256i) -> __m256i {
+        op!(_mm256_srli_epi64::<32>(a))
+    }
+    #[inline(always)]
+    fn raised(self, a: __m256i) -> __m256i {
+        op!(_mm256_slli_epi64::<32>(a))
+    }
+    #[inline(always)]
+    fn halves(self, low: __m256i, high: __m256i) -> __m256i {
+        op!(_mm256_blend_epi32::<0xaa>(low, high))
+    }
+    #[inline(always)]
+    fn add_halves(self, a: __m256i, b: __m256i) -> __m256i {
+        op!(_mm256_add_epi32(a, b))
+    }
+    #[inline(always)]
     fn marked(self, a: __m256i) -> __m256i {
         op!(_mm256_cmpgt_epi64(_mm256_setzero_si256(), a))
     }
@@ -390,13 +407,6 @@ impl Lanes for Avx2 {
             Some(words) => unsafe { _mm256_loadu_si256(words.as_ptr().cast()) },
             None => self.splat(0),
         }
-    }
-    #[inline(always)]
-    fn intervals(self, table: &Falls, index: __m256i) -> __m256i {
-        let index = self.and(index, self.load(&table.last));
-        let words = table.intervals.as_ptr();
-        // SAFETY: the length is a power of two, so that every masked number lies in the table.
-        four_words(self, index, |place| unsafe { *words.add(place) })
     }
     #[inline(always)]
     fn attributes(self, values: &[i32; 8], shift: ShareShift) -> AttributeFactors {

@@ -3,7 +3,7 @@
 #![allow(unsafe_code)]
 
 use super::avx2::{AttributeFactors, Avx2, four_words, rows, store_rows, transposed};
-use super::words::{Falls, Lanes, ShareShift, Sums};
+use super::words::{Lanes, ShareShift, Sums};
 use std::arch::x86_64::*;
 
 /// Proof that the processor has AVX-512 F, BW, DQ, VL, CD and IFMA and all that AVX2 processors have. No
@@ -132,17 +132,18 @@ impl Lanes for Avx512 {
         op!(_mm512_lzcnt_epi64(a))
     }
     #[inline(always)]
-    fn gather(self, table: &[u32], index: __m512i) -> [__m512i; 2] {
+    fn pairs(self, table: &[u32], index: __m512i) -> __m512i {
         let Some(last) = table.len().checked_sub(2) else {
-            return [self.splat(0); 2];
+            return self.splat(0);
         };
+        let index = op!(_mm512_min_epu32(index, self.splat(i64::from(last as u32))));
+        let [low, high] = halves(self, index);
+        let words = table.as_ptr();
         // SAFETY: every index and the next one lie in the table. An entry and the next one are a word of 64 bits.
-        unsafe {
-            let index = _mm512_min_epu32(index, _mm512_set1_epi64(i64::from(last as u32)));
-            let pairs = _mm512_i64gather_epi64::<4>(index, table.as_ptr().cast());
-            let low = _mm512_and_si512(pairs, _mm512_set1_epi64(u32::MAX.into()));
-            [low, _mm512_srli_epi64::<32>(pairs)]
-        }
+        let word = |place| unsafe { words.add(place).cast::<u64>().read_unaligned() };
+        let low = four_words(self.avx2(), low, word);
+        let high = four_words(self.avx2(), high, word);
+        op!(_mm512_inserti64x4::<1>(_mm512_castsi256_si512(low), high))
     }
     #[inline(always)]
     fn greater(self, a: __m512i, b: __m512i) -> __mmask8 {
@@ -211,6 +212,28 @@ impl Lanes for Avx512 {
         }
     }
     #[inline(always)]
+    fn unmarked(self, a: __m512i) -> __m512i {
+        // What becomes of lower halves is shifted out.
+        let positive = op!(_mm512_max_epi32(a, _mm512_setzero_si512()));
+        self.upper(positive)
+    }
+    #[inline(always)]
+    fn upper(self, a: __m512i) -> __m512i {
+        op!(_mm512_srli_epi64::<32>(a))
+    }
+    #[inline(always)]
+    fn raised(self, a: __m512i) -> __m512i {
+        op!(_mm512_slli_epi64::<32>(a))
+    }
+    #[inline(always)]
+    fn halves(self, low: __m512i, high: __m512i) -> __m512i {
+        op!(_mm512_mask_mov_epi32(low, 0xaaaa, high))
+    }
+    #[inline(always)]
+    fn add_halves(self, a: __m512i, b: __m512i) -> __m512i {
+        op!(_mm512_add_epi32(a, b))
+    }
+    #[inline(always)]
     fn marked(self, a: __m512i) -> __mmask8 {
         op!(_mm512_movepi64_mask(a))
     }
@@ -244,17 +267,6 @@ impl Lanes for Avx512 {
             a,
             _mm512_setr_epi64(0, 1, 2, 3, 4, 5, 6, 7)
         ))
-    }
-    #[inline(always)]
-    fn intervals(self, table: &Falls, index: __m512i) -> __m512i {
-        let index = self.and(index, self.load(&table.last));
-        let words = table.intervals.as_ptr();
-        let [low, high] = halves(self, index);
-        // SAFETY: the length is a power of two, so that every masked number lies in the table.
-        let low = four_words(self.avx2(), low, |place| unsafe { *words.add(place) });
-        // SAFETY: as above.
-        let high = four_words(self.avx2(), high, |place| unsafe { *words.add(place) });
-        op!(_mm512_inserti64x4::<1>(_mm512_castsi256_si512(low), high))
     }
     #[inline(always)]
     fn attributes(self, values: &[i32; 8], shift: ShareShift) -> AttributeFactors {

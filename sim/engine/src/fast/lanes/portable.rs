@@ -1,6 +1,6 @@
 //! Vectors as arrays.
 
-use super::words::{Falls, Lanes, ShareShift, Sums};
+use super::words::{Lanes, ShareShift, Sums};
 
 /// Vectors as arrays: the definition of the operations, and what processors without an implementation of their own use.
 /// Tests need not have its operations inlined, which took half of the time in which they compile and saved 2 of 16
@@ -124,12 +124,12 @@ impl Lanes for Portable {
         })
     }
     #[cfg_attr(not(test), inline(always))]
-    fn gather(self, table: &[u32], index: Words) -> [Words; 2] {
+    fn pairs(self, table: &[u32], index: Words) -> Words {
         let last = table.len().saturating_sub(2) as u32;
         let first = index.map(|index| (index as u32).min(last) as usize);
         let entry = |index: usize| table.get(index..).and_then(|pair| pair.first_chunk::<2>());
         let pairs = first.map(|first| entry(first).copied().unwrap_or_default());
-        [0, 1].map(|which| pairs.map(|pair| i64::from(pair[which])))
+        pairs.map(|[entry, next]| i64::from(entry) | i64::from(next) << 32)
     }
     #[cfg_attr(not(test), inline(always))]
     fn greater(self, a: Words, b: Words) -> [bool; 8] {
@@ -211,6 +211,14 @@ impl Lanes for Portable {
         }
     }
     #[cfg_attr(not(test), inline(always))]
+    fn halves(self, low: Words, high: Words) -> Words {
+        std::array::from_fn(|k| low[k] & 0xffff_ffff | high[k] & !0xffff_ffff)
+    }
+    #[cfg_attr(not(test), inline(always))]
+    fn add_halves(self, a: Words, b: Words) -> Words {
+        self.halves(self.add(a, b), self.add(a, b.map(|b| b & !0xffff_ffff)))
+    }
+    #[cfg_attr(not(test), inline(always))]
     fn marked(self, a: Words) -> [bool; 8] {
         a.map(|a| a < 0)
     }
@@ -241,10 +249,6 @@ impl Lanes for Portable {
     #[cfg_attr(not(test), inline(always))]
     fn multiples(self, a: Words) -> Words {
         std::array::from_fn(|k| a[k].wrapping_mul(k as i64))
-    }
-    #[cfg_attr(not(test), inline(always))]
-    fn intervals(self, table: &Falls, index: Words) -> Words {
-        index.map(|index| table.at(index))
     }
     #[cfg_attr(not(test), inline(always))]
     fn attributes(self, values: &[i32; 8], shift: ShareShift) -> Self::Attributes {

@@ -1,6 +1,5 @@
 //! Operations of every implementation against the portable arrays, word for word.
 
-use super::words::Falls;
 use super::*;
 use proptest::prelude::*;
 
@@ -13,7 +12,6 @@ struct Operations {
     by: u32,
     rows: [[i32; 4]; 8],
     table: Vec<u32>,
-    falls: Falls,
 }
 
 impl VectorTask for &Operations {
@@ -40,7 +38,11 @@ impl VectorTask for &Operations {
             lanes.keep(a, lanes.except(truth, first)),
             lanes.min_short(lanes.and(a, low), lanes.and(b, low)),
             lanes.multiples(lanes.splat(self.b[0])),
-            lanes.intervals(&self.falls, b),
+            lanes.pairs(&self.table, b),
+            lanes.halves(a, b),
+            lanes.add_halves(a, b),
+            lanes.unmarked(a),
+            lanes.raised(a),
             turned[0],
             turned[1],
             turned[2],
@@ -77,13 +79,10 @@ proptest! {
     #[test]
     fn operations_are_the_portable_ones(
         a: [u64; 16], b: [i64; 8], alike: bool, at in 0usize..9, count in 0usize..9, by in 0u32..64, rows: [[i32; 4]; 8],
-        table in prop::collection::vec(any::<u32>(), 0..60), falls in prop::collection::vec(0u32..1000, 1..40),
+        table in prop::collection::vec(any::<u32>(), 0..60),
     ) {
-        let mut entries = falls;
-        entries.sort_unstable_by(|a, b| b.cmp(a));
-        let falls = Falls::new(&entries).expect("they fall");
         let b = if alike { std::array::from_fn(|k| a[at + k] as i64) } else { b };
-        let operations = Operations { a, b, at, count, by, rows, table, falls };
+        let operations = Operations { a, b, at, count, by, rows, table };
         let expected = (&operations).run(Portable);
         for choice in [VectorLevel::Avx2, VectorLevel::Best] {
             let found = dispatch_vectors(choice, &operations);

@@ -10,41 +10,6 @@
 
 use super::singles::Singles;
 
-/// A falling table's intervals: an entry in the upper half of a word, its fall to the next one in the lower. Their
-/// number is a power of two.
-#[derive(Clone, Debug)]
-pub struct Falls {
-    pub(super) intervals: Box<[u64]>,
-    /// The last one's number, for every word of a vector.
-    #[cfg_attr(
-        not(target_arch = "x86_64"),
-        allow(dead_code, reason = "arrays go by the length")
-    )]
-    pub(super) last: [i64; 8],
-}
-
-impl Falls {
-    /// The intervals between these entries; `None` if they rise anywhere.
-    pub fn new(entries: &[u32]) -> Option<Self> {
-        let interval = |pair: &[u32]| {
-            let fall = pair[0].checked_sub(pair[1])?;
-            Some(u64::from(pair[0]) << 32 | u64::from(fall))
-        };
-        let mut intervals: Vec<u64> = entries.windows(2).map(interval).collect::<Option<_>>()?;
-        intervals.resize(intervals.len().next_power_of_two(), 0);
-        Some(Falls {
-            last: [intervals.len() as i64 - 1; 8],
-            intervals: intervals.into(),
-        })
-    }
-
-    /// The interval of this number, modulo the table's length.
-    #[inline(always)]
-    pub(super) fn at(&self, index: i64) -> i64 {
-        self.intervals[index as usize & (self.intervals.len() - 1)] as i64
-    }
-}
-
 /// Sums of a pixel; the last one is the sum of weights.
 pub type Sums = [u32; 8];
 
@@ -97,7 +62,7 @@ pub trait Lanes: Copy + Send + Sync {
     fn xor(self, a: Self::Word, b: Self::Word) -> Self::Word;
     /// a b of words that fit 32 bits.
     fn mul(self, a: Self::Word, b: Self::Word) -> Self::Word;
-    /// a b of words that fit 32 bits without a sign.
+    /// a b of the lower halves, without signs.
     fn mul_unsigned(self, a: Self::Word, b: Self::Word) -> Self::Word;
     /// Low 64 bits of a b.
     fn mul_whole(self, a: Self::Word, b: Self::Word) -> Self::Word;
@@ -114,9 +79,15 @@ pub trait Lanes: Copy + Send + Sync {
     fn sar_by(self, a: Self::Word, by: u32) -> Self::Word {
         self.sar(a, self.splat(by.into()))
     }
-    /// `table[index]` and `table[index + 1]` of the index's lower 32 bits; the last two entries beyond the table, zeros
-    /// if it has fewer.
-    fn gather(self, table: &[u32], index: Self::Word) -> [Self::Word; 2];
+    /// `table[index]` in a lower half and `table[index + 1]` above it, of the index's lower 32 bits; the last two entries
+    /// beyond the table, zeros if it has fewer.
+    fn pairs(self, table: &[u32], index: Self::Word) -> Self::Word;
+    /// The same as two words.
+    #[inline(always)]
+    fn gather(self, table: &[u32], index: Self::Word) -> [Self::Word; 2] {
+        let pairs = self.pairs(table, index);
+        [self.lower(pairs), self.upper(pairs)]
+    }
     /// a > b.
     fn greater(self, a: Self::Word, b: Self::Word) -> Self::Truth;
     /// a = b.
@@ -205,6 +176,30 @@ pub trait Lanes: Copy + Send + Sync {
     fn read(self, from: &[u64], at: usize) -> Self::Word;
     /// Stores words from place `at` on; nothing if there is no room.
     fn write(self, to: &mut [u64], at: usize, value: Self::Word);
+    /// The upper half of each word, in the lower one; 0 where it is negative.
+    #[inline(always)]
+    fn unmarked(self, a: Self::Word) -> Self::Word {
+        self.upper(self.clear(a, self.marked(a)))
+    }
+    /// The upper half of each word, in the lower one.
+    #[inline(always)]
+    fn upper(self, a: Self::Word) -> Self::Word {
+        self.shr_by(a, 32)
+    }
+    /// The lower half of each word, in the upper one.
+    #[inline(always)]
+    fn raised(self, a: Self::Word) -> Self::Word {
+        self.shl_by(a, 32)
+    }
+    /// The lower half of each word.
+    #[inline(always)]
+    fn lower(self, a: Self::Word) -> Self::Word {
+        self.masked(a, u32::MAX.into())
+    }
+    /// The lower halves of `low` and the upper ones of `high`.
+    fn halves(self, low: Self::Word, high: Self::Word) -> Self::Word;
+    /// a + b of either half.
+    fn add_halves(self, a: Self::Word, b: Self::Word) -> Self::Word;
     /// Words whose most significant bit is set.
     fn marked(self, a: Self::Word) -> Self::Truth;
     /// The first `count` words.
@@ -221,8 +216,6 @@ pub trait Lanes: Copy + Send + Sync {
     fn min_short(self, a: Self::Word, b: Self::Word) -> Self::Word;
     /// 0, a, 2 a, 3 a and so on, of a vector of equal words.
     fn multiples(self, a: Self::Word) -> Self::Word;
-    /// The intervals of these numbers, modulo the table's length.
-    fn intervals(self, table: &Falls, index: Self::Word) -> Self::Word;
 
     // Sums of a pixel.
 

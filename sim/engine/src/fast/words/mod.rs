@@ -18,7 +18,7 @@ use super::painter::{CHECK_INTERVAL, PaintScratch, Results, ScalarPainter, TileP
 use super::rows::RuntimeRows;
 use super::setup::Outcome;
 use painting::{PaintAlone, Painting};
-use path::{ANY, BACK_TO_FRONT, DRAW_FINISHING, EVEN, OMIT_FINISHING, PathNumbers};
+use path::{ANY, BACK_TO_FRONT, DRAW_FINISHING, OMIT_FINISHING, PathNumbers};
 use path::{WordPixels, X_RAY};
 use single::{SingleNumbers, SinglePixels};
 use splatline::blend::Pixel;
@@ -195,7 +195,7 @@ impl VectorTask for TilePainting<'_, f32, SingleNumbers> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, lanes: L) -> Coverage {
-        if self.painting.numbers.operator == EVEN | OMIT_FINISHING {
+        if self.painting.numbers.operator & OMIT_FINISHING != 0 {
             self.paint::<L, OMIT_FINISHING>(lanes)
         } else {
             self.paint::<L, DRAW_FINISHING>(lanes)

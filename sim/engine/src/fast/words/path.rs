@@ -2,12 +2,14 @@
 //! operators without an end.
 //!
 //! Bit for bit what [`FootprintTable::weight`], [`Blend::opacity`] and [`Blend::front_to_back`] (or `back_to_front`,
-//! `x_ray`) give, pixel by pixel, for values within their formats. Four things make it short:
+//! `x_ray`) give, pixel by pixel, for values within their formats. Five things make it short:
 //!
 //! - r(x + w) = r(x) + w f(x) + w (w - 1) / 2 s with the differences f and s: w pixels on, the radial index still costs
 //!   two additions, exactly, because integers that wrap have no order of summation. Lanes of 32 bits lie in the upper
 //!   half of a word, so that they wrap as lanes of 64 do.
 //! - Every product is of 32 bits by 32 and stays in its word.
+//! - A pixel is two words ([`super::tile`]): half the memory, and sums of two colours are read, added and written
+//!   together. The transmittance lies in an upper half, where the mark is the word's sign.
 //! - A contribution of 0 leaves a pixel as it is, whatever its state: T - 0 = T > stop for a pixel in work, and a
 //!   finished pixel's word is negative, hence below stop, hence marked again. So pixels outside or finished need no
 //!   selection: the first have opacity 0, the others no transmittance.
@@ -18,7 +20,6 @@
 
 use super::tile::{PixelWord, Row};
 use crate::fast::lanes::Lanes;
-use crate::fast::lanes::words::Falls;
 use crate::fast::painter::TableMemory;
 use crate::fast::rows::Pixels;
 use crate::fast::setup::number::BitDrop;
@@ -81,9 +82,11 @@ pub const BACK_TO_FRONT: u8 = 2;
 pub const X_RAY: u8 = 3;
 /// Added to one of them: results may be rounded with ties to even.
 pub const EVEN: u8 = 4;
+/// Added to one of them: contributions to colours lose more bits than half a word has.
+const LONG: u8 = 8;
 /// Any of them, looked up: those that usual designs need have compiled copies of their own, which take an eighth fewer
 /// instructions.
-pub const ANY: u8 = 8;
+pub const ANY: u8 = 16;
 
 /// A product's right shift; `None` if it is not one.
 fn shift(by: i32, rounding: Rounding) -> Option<BitDrop> {
@@ -95,9 +98,8 @@ fn shift(by: i32, rounding: Rounding) -> Option<BitDrop> {
 #[derive(Clone, Debug)]
 pub struct PathNumbers {
     widths: Widths,
-    falls: Falls,
-    /// The table's intervals, and bits of the radial index below an interval's number.
-    intervals: u64,
+    /// The table's entries, and bits of the radial index below an interval's number.
+    entries: Box<[u32]>,
     rest_bits: u32,
     /// Bits above the formats of peaks and colours.
     beyond: [u32; 2],
@@ -138,6 +140,7 @@ impl PathNumbers {
         let constants = Blend::new(widths, &memory.rules).constants();
         let (entries, deep) = (table.entries(), lane_bits > 32);
         let fits = entries.iter().all(|entry| *entry <= 1 << widths.weight)
+            && entries.is_sorted_by(|entry, next| entry >= next)
             && u64::from(constants.minimum_transmittance) < 1 << widths.transmittance
             && constants.alpha_max <= 1 << widths.alpha
             && (deep || widths.radial <= 27);
@@ -145,27 +148,29 @@ impl PathNumbers {
             return None;
         }
         let shift = |by| shift(by, constants.rounding);
+        let colour = shift(constants.colour_shift)?;
         let even = if constants.rounding == Rounding::NearestEven {
             EVEN
         } else {
             0
         };
+        let long = if colour.by > 32 { LONG } else { 0 };
         Some(PathNumbers {
             widths: *widths,
             beyond: [widths.peak, widths.colour]
                 .map(|fraction| u32::MAX.checked_shl(u32::from(fraction) + 4).unwrap_or(0)),
-            falls: Falls::new(entries)?,
-            intervals: entries.len().saturating_sub(1) as u64,
+            entries: entries.into(),
             rest_bits: table.rest_bits(),
             kept: u32::from(widths.interpolation).min(table.rest_bits()),
             raise: if deep { 0 } else { 32 },
             opacity: shift(constants.opacity_shift)?,
             share: shift(constants.contribution_shift)?,
-            colour: shift(constants.colour_shift)?,
+            colour,
             alpha_max: constants.alpha_max,
             opacity_min: i64::try_from(constants.opacity_min).ok()?,
             stop: i64::from(constants.minimum_transmittance) + 1,
             operator: even
+                | long
                 | if constants.omit_finishing {
                     OMIT_FINISHING
                 } else {
@@ -209,7 +214,7 @@ impl PathNumbers {
         let end = i64::try_from(cutoff_in_lane(cutoff, self.widths.radial)).ok()?;
         let last = end.checked_sub(1)?;
         let fits = (self.raise == 0 || end <= i64::from(i32::MAX))
-            && (last < 0 || ((last as u64) >> self.rest_bits) < self.intervals);
+            && (last < 0 || ((last as u64) >> self.rest_bits) + 1 < self.entries.len() as u64);
         fits.then_some(end)
     }
 
@@ -234,7 +239,7 @@ pub struct WordPixels<'a, L: Lanes, const OPERATOR: u8> {
     lanes: L,
     /// The operator, for the copy that looks it up.
     operator: u8,
-    falls: &'a Falls,
+    entries: &'a [u32],
     /// Left shifts of lanes that have 32 bits, and to a vector's width.
     raise: u32,
     width: L::Word,
@@ -243,8 +248,6 @@ pub struct WordPixels<'a, L: Lanes, const OPERATOR: u8> {
     /// Right shift and mask that leave the position within it.
     position: L::Word,
     position_mask: L::Word,
-    /// Right shift from an interval's word to its entry.
-    entry: L::Word,
     kept: L::Word,
     kept_half: L::Word,
     opacity: ShiftWords<L>,
@@ -254,6 +257,8 @@ pub struct WordPixels<'a, L: Lanes, const OPERATOR: u8> {
     opacity_min: L::Word,
     stop: L::Word,
     mark: L::Word,
+    /// Left shift of a green contribution to its half.
+    green: L::Word,
     layer: ShiftWords<L>,
     /// Left shift of an opacity before it.
     raised: L::Word,
@@ -296,13 +301,12 @@ impl<'a, L: Lanes, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
         WordPixels {
             lanes,
             operator: numbers.operator,
-            falls: &numbers.falls,
+            entries: &numbers.entries,
             raise: numbers.raise,
             width: word(L::WIDE.ilog2().into()),
             interval: word(u64::from(numbers.raise + rest)),
             position: word(u64::from(numbers.raise + rest - kept)),
             position_mask: word((1 << kept) - 1),
-            entry: word(32),
             kept: word(kept.into()),
             // Half of a unit less one; an entry that is not interpolated loses nothing.
             kept_half: word(((1u64 << kept) >> 1).saturating_sub(1)),
@@ -311,8 +315,9 @@ impl<'a, L: Lanes, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
             colour: shift(numbers.colour),
             alpha_max: word(numbers.alpha_max.into()),
             opacity_min: lanes.splat(numbers.opacity_min),
-            stop: lanes.splat(numbers.stop),
+            stop: lanes.splat(numbers.stop << 32),
             mark: word(super::tile::MARK),
+            green: word(32u32.saturating_sub(numbers.colour.by).into()),
             layer: shift(numbers.layer.unwrap_or(numbers.light)),
             raised: word(transmittance.saturating_sub(alpha).into()),
             light: shift(numbers.light),
@@ -389,45 +394,85 @@ impl<'a, L: Lanes, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
         let lanes = self.lanes;
         // Never changes x; tells the compiler that a vector fits.
         let x = x % usize::from(TILE[0]);
-        let [plane_of_light, colours @ ..] = row;
-        let light = lanes.read(plane_of_light, x);
+        let light = lanes.read(&row[0], x);
         if COUNTS {
             let finished = lanes.both(inside, lanes.marked(light));
             counts.covered += u64::from(lanes.flags(inside).count_ones());
             counts.finished += u64::from(lanes.flags(finished).count_ones());
         }
-        let operator = self.operator();
-        if operator & !EVEN == BACK_TO_FRONT || operator & !EVEN == X_RAY {
+        if self.operator() & BACK_TO_FRONT != 0 {
             let live = lanes.except(inside, lanes.marked(light));
             self.layer(splat, self.alpha(splat, radial, live), live, x, row);
             return;
         }
         let alpha = self.alpha(splat, radial, inside);
-        // A finished pixel gives no more light.
-        let left = lanes.clear(light, lanes.marked(light));
+        let left = lanes.unmarked(light);
         let share = self.rounded(lanes.mul_unsigned(left, alpha), self.share);
-        let rest = lanes.sub(light, share);
+        let rest = lanes.sub(light, lanes.raised(share));
         let stop = lanes.greater(self.stop, rest);
-        let marks = lanes.keep(self.mark, stop);
-        let (share, after) = if operator & !EVEN == OMIT_FINISHING {
-            let share = lanes.clear(share, stop);
-            (share, lanes.sub(light, share))
+        let (share, after) = if self.operator() & OMIT_FINISHING != 0 {
+            (lanes.clear(share, stop), lanes.select(rest, light, stop))
         } else {
             (share, rest)
         };
-        lanes.write(plane_of_light, x, lanes.or(after, marks));
-        for (plane, colour) in colours.iter_mut().zip(splat.colour) {
+        let after = lanes.or(after, lanes.keep(self.mark, stop));
+        if self.operator() & (EVEN | LONG) == 0 {
+            self.colour(splat, share, after, x, row);
+        } else {
+            self.any_colour(splat, share, after, x, row);
+        }
+    }
+
+    /// Adds contributions to colours, of which two are in place after a shift each.
+    #[inline(always)]
+    fn colour(
+        &self,
+        splat: &SplatWords<L>,
+        share: L::Word,
+        after: L::Word,
+        x: usize,
+        row: &mut Row<u64>,
+    ) {
+        let lanes = self.lanes;
+        let [red, green, blue] = splat.colour.map(|colour| {
             let product = lanes.mul_unsigned(share, colour);
-            let sum = lanes.read(plane, x);
-            let sum = if self.operator() & EVEN == 0 {
+            lanes.add(product, self.colour.half)
+        });
+        // No accumulator has more than 27 fraction bits, so that a contribution fits half a word.
+        let blue = lanes.shr(blue, self.colour.by);
+        lanes.write(&mut row[0], x, lanes.add_halves(after, blue));
+        let red = lanes.shr(red, self.colour.by);
+        let both = lanes.halves(red, lanes.shl(green, self.green));
+        let sums = lanes.read(&row[1], x);
+        lanes.write(&mut row[1], x, lanes.add_halves(sums, both));
+    }
+
+    /// The same for all shifts, and with ties to even, for which the sum is what is rounded.
+    #[inline(always)]
+    fn any_colour(
+        &self,
+        splat: &SplatWords<L>,
+        share: L::Word,
+        after: L::Word,
+        x: usize,
+        row: &mut Row<u64>,
+    ) {
+        let lanes = self.lanes;
+        let added = |sum: L::Word, colour: L::Word| {
+            let product = lanes.mul_unsigned(share, colour);
+            if self.operator() & EVEN == 0 {
                 lanes.add(sum, self.rounded(product, self.colour))
             } else {
-                // The sum is what is rounded.
-                let sum = lanes.shl(sum, self.colour.by);
+                let sum = lanes.shl(lanes.lower(sum), self.colour.by);
                 self.rounded(lanes.add(sum, product), self.colour)
-            };
-            lanes.write(plane, x, sum);
-        }
+            }
+        };
+        let [red, green, blue] = splat.colour;
+        lanes.write(&mut row[0], x, lanes.halves(added(after, blue), after));
+        let sums = lanes.read(&row[1], x);
+        let green = added(lanes.upper(sums), green);
+        let both = lanes.halves(added(sums, red), lanes.raised(green));
+        lanes.write(&mut row[1], x, both);
     }
 
     /// [`Blend::back_to_front`] or [`Blend::x_ray`]: opacities are at most 1, so that what a layer hides of a sum is at
@@ -441,31 +486,36 @@ impl<'a, L: Lanes, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
         x: usize,
         row: &mut Row<u64>,
     ) {
-        let (lanes, operator) = (self.lanes, self.operator());
+        let (lanes, is_x_ray) = (self.lanes, self.operator() & X_RAY == X_RAY);
         let hidden = |word: L::Word| self.rounded(lanes.mul_unsigned(word, alpha), self.share);
-        let [plane_of_light, colours @ ..] = row;
-        let light = lanes.read(plane_of_light, x);
-        let rest = if operator & !EVEN == X_RAY {
+        let above = |sum: L::Word, colour: L::Word| {
+            let layer = self.rounded(lanes.mul_unsigned(alpha, colour), self.layer);
+            let sum = if is_x_ray {
+                sum
+            } else {
+                lanes.sub(sum, hidden(sum))
+            };
+            let sum = lanes.add(sum, layer);
+            lanes.select(sum, self.last, lanes.greater(sum, self.last))
+        };
+        let [red, green, blue] = splat.colour;
+        let first = lanes.read(&row[0], x);
+        let light = lanes.upper(first);
+        let rest = if is_x_ray {
             let taken = self.rounded(lanes.shl(alpha, self.raised), self.light);
             let rest = lanes.sub(light, taken);
             lanes.clear(rest, lanes.marked(rest))
         } else {
             lanes.sub(light, hidden(light))
         };
+        let blue = above(lanes.lower(first), blue);
+        let after = lanes.halves(blue, lanes.raised(rest));
         // Marks beyond the tile stay.
-        lanes.write(plane_of_light, x, lanes.select(light, rest, inside));
-        for (plane, colour) in colours.iter_mut().zip(splat.colour) {
-            let layer = self.rounded(lanes.mul_unsigned(alpha, colour), self.layer);
-            let sum = lanes.read(plane, x);
-            let sum = if operator & !EVEN == X_RAY {
-                sum
-            } else {
-                lanes.sub(sum, hidden(sum))
-            };
-            let sum = lanes.add(sum, layer);
-            let full = lanes.greater(sum, self.last);
-            lanes.write(plane, x, lanes.select(sum, self.last, full));
-        }
+        lanes.write(&mut row[0], x, lanes.select(first, after, inside));
+        let sums = lanes.read(&row[1], x);
+        let green = above(lanes.upper(sums), green);
+        let both = lanes.halves(above(lanes.lower(sums), red), lanes.raised(green));
+        lanes.write(&mut row[1], x, both);
     }
 
     /// A product brought back to its format.
@@ -481,17 +531,16 @@ impl<'a, L: Lanes, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
         lanes.shr(lanes.add(product, half), shift.by)
     }
 
-    /// The kernel at raised radial indices inside the footprint; anything elsewhere.
+    /// The kernel at raised radial indices inside the footprint, in lower halves; anything elsewhere.
     #[inline(always)]
     fn weight(&self, radial: L::Word) -> L::Word {
         let lanes = self.lanes;
         let radial = lanes.clear(radial, lanes.marked(radial));
-        let interval = lanes.intervals(self.falls, lanes.shr(radial, self.interval));
+        let entries = lanes.pairs(self.entries, lanes.shr(radial, self.interval));
         let position = lanes.and(lanes.shr(radial, self.position), self.position_mask);
-        // The product sees the lower half, the fall.
-        let fall = lanes.add(lanes.mul_unsigned(interval, position), self.kept_half);
-        let fall = lanes.shr(fall, self.kept);
-        lanes.sub(lanes.shr(interval, self.entry), fall)
+        let fall = lanes.sub(entries, lanes.upper(entries));
+        let fall = lanes.add(lanes.mul_unsigned(fall, position), self.kept_half);
+        lanes.sub(entries, lanes.shr(fall, self.kept))
     }
 }
 

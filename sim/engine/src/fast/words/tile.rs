@@ -1,5 +1,7 @@
-//! A tile's pixels as words of a [`PixelPath`]: one plane per quantity in every row, so that adjacent pixels are a
-//! vector.
+//! A tile's pixels as words of a [`PixelPath`]: planes in every row, so that adjacent pixels are a vector.
+//!
+//! Four planes of single precision are transmittance, red, green and blue. Of two planes of 64 bits the first has the
+//! transmittance, with its mark, above blue, the second green above red: 32 bits each, as the kernel has them.
 
 use super::path::PixelPath;
 use super::single::WHOLE;
@@ -21,71 +23,79 @@ const COLUMNS: usize = TILE[0] as usize;
 /// The mark of a finished pixel: the transmittance's most significant bit, which no product sees.
 pub const MARK: u64 = 1 << 63;
 
-/// One row: transmittance, red, green, blue. The spare columns hold finished pixels.
-pub type Row<W> = [[W; STRIDE]; 4];
+/// One row's planes. The spare columns hold finished pixels.
+pub type Row<W> = <W as PixelWord>::Row;
 
-/// What holds a pixel's transmittance or one of its sums.
+/// What a pixel is made of.
 pub trait PixelWord: Copy {
-    /// A finished pixel's transmittance.
-    const FINISHED: Self;
+    /// One row's planes.
+    type Row: Clone + std::fmt::Debug;
+    /// A row of finished pixels.
+    const FINISHED: Self::Row;
     /// The largest sum that it holds.
     const LARGEST_SUM: u32;
-    /// The kernel's transmittance with its mark.
-    fn of_light(light: u32) -> Self;
-    /// A sum of the kernel's.
-    fn of_sum(sum: u32) -> Self;
-    /// The inverse of `of_light`.
-    fn light(self) -> u32;
-    /// The inverse of `of_sum`.
-    fn sum(self) -> u32;
+    /// Sets the pixel of a column.
+    fn set(row: &mut Self::Row, x: usize, pixel: Pixel);
+    /// The pixel of a column.
+    fn pixel(row: &Self::Row, x: usize) -> Pixel;
 }
 
 impl PixelWord for u64 {
-    const FINISHED: u64 = MARK;
+    type Row = [[u64; STRIDE]; 2];
+    const FINISHED: Self::Row = [[MARK; STRIDE], [0; STRIDE]];
     const LARGEST_SUM: u32 = u32::MAX;
 
-    fn of_light(light: u32) -> u64 {
-        u64::from(light & FINISHED) << 32 | u64::from(light & !FINISHED)
+    #[inline(always)]
+    fn set(row: &mut Self::Row, x: usize, pixel: Pixel) {
+        let [red, green, blue] = pixel.colour.map(u64::from);
+        row[0][x] = u64::from(pixel.transmittance) << 32 | blue;
+        row[1][x] = green << 32 | red;
     }
-    fn of_sum(sum: u32) -> u64 {
-        sum.into()
-    }
-    fn light(self) -> u32 {
-        self as u32 | (self >> 32) as u32 & FINISHED
-    }
-    fn sum(self) -> u32 {
-        self as u32
+
+    #[inline(always)]
+    fn pixel(row: &Self::Row, x: usize) -> Pixel {
+        let [first, second] = [row[0][x], row[1][x]];
+        Pixel {
+            colour: [second as u32, (second >> 32) as u32, first as u32],
+            transmittance: (first >> 32) as u32,
+        }
     }
 }
 
 impl PixelWord for f32 {
-    const FINISHED: f32 = -0.0;
+    type Row = [[f32; STRIDE]; 4];
+    const FINISHED: Self::Row = [[-0.0; STRIDE], [0.0; STRIDE], [0.0; STRIDE], [0.0; STRIDE]];
     const LARGEST_SUM: u32 = 1 << 23;
 
-    fn of_light(light: u32) -> f32 {
-        let number = (light & !FINISHED) as f32;
-        if light & FINISHED == 0 {
-            number
-        } else {
-            -number
+    #[inline(always)]
+    fn set(row: &mut Self::Row, x: usize, pixel: Pixel) {
+        let light = pixel.transmittance() as f32;
+        row[0][x] = if pixel.is_finished() { -light } else { light };
+        for (plane, sum) in row[1..].iter_mut().zip(pixel.colour) {
+            plane[x] = sum as f32 + WHOLE;
         }
     }
-    fn of_sum(sum: u32) -> f32 {
-        sum as f32 + WHOLE
-    }
-    fn light(self) -> u32 {
-        let mark = if self.is_sign_negative() { FINISHED } else { 0 };
-        (self.abs() + WHOLE).sum() | mark
-    }
-    fn sum(self) -> u32 {
+
+    #[inline(always)]
+    fn pixel(row: &Self::Row, x: usize) -> Pixel {
         // A unit is the last bit: no conversion, which saturates one by one.
-        self.to_bits().wrapping_sub(WHOLE.to_bits())
+        let integer = |number: f32| number.to_bits().wrapping_sub(WHOLE.to_bits());
+        let [light, red, green, blue] = [row[0][x], row[1][x], row[2][x], row[3][x]];
+        let mark = if light.is_sign_negative() {
+            FINISHED
+        } else {
+            0
+        };
+        Pixel {
+            colour: [integer(red), integer(green), integer(blue)],
+            transmittance: integer(light.abs() + WHOLE) | mark,
+        }
     }
 }
 
 /// The planes of one tile, kept from tile to tile by a thread.
 #[derive(Clone, Debug)]
-pub struct WordTile<W> {
+pub struct WordTile<W: PixelWord> {
     rows: Box<[Row<W>; ROWS]>,
     /// A bit for each pixel of a row that had not finished when it was last looked at.
     live: [i64; ROOM],
@@ -96,7 +106,7 @@ pub struct WordTile<W> {
 impl<W: PixelWord> Default for WordTile<W> {
     fn default() -> Self {
         WordTile {
-            rows: Box::new([[[W::FINISHED; STRIDE]; 4]; ROWS]),
+            rows: Box::new([W::FINISHED; ROWS]),
             live: [0; ROOM],
             overflowed: false,
             window: Window {
@@ -115,13 +125,10 @@ impl<W: PixelWord> WordTile<W> {
         let [columns, rows] = extent(&self.window);
         let of_row = u64::MAX >> (COLUMNS - columns).min(63);
         self.live = std::array::from_fn(|y| if y < rows { of_row as i64 } else { 0 });
-        for row in self.rows.iter_mut().take(rows) {
-            for (plane, value) in row.iter_mut().zip(words(clear)) {
-                plane.fill(value);
-            }
-            // Nothing that a vector finds beyond the tile counts as a pixel.
-            row[0][columns..].fill(W::FINISHED);
-        }
+        // Nothing that a vector finds beyond the tile counts as a pixel.
+        let mut transparent = W::FINISHED;
+        (0..columns).for_each(|x| W::set(&mut transparent, x, clear));
+        self.rows[..rows].fill(transparent);
     }
 
     /// Opens it for painting: with transparent pixels, or with those of nearer footprints.
@@ -207,7 +214,7 @@ impl<W: PixelWord> WordTile<W> {
     pub fn is_finished(&self) -> bool {
         self.rows[..extent(&self.window)[1]]
             .iter()
-            .all(|row| row[0].iter().all(|word| word.light() & FINISHED != 0))
+            .all(|row| (0..COLUMNS).all(|x| W::pixel(row, x).is_finished()))
     }
 
     /// The pixels as the kernel knows them, row by row.
@@ -223,10 +230,8 @@ impl<W: PixelWord> WordTile<W> {
         let mut sums = pixels.iter().flat_map(|pixel| pixel.colour);
         self.overflowed |= sums.any(|sum| sum > W::LARGEST_SUM);
         for (row, pixels) in self.rows.iter_mut().zip(pixels.chunks_exact(columns)) {
-            for (x, pixel) in pixels.iter().enumerate() {
-                for (plane, value) in row.iter_mut().zip(words(*pixel)) {
-                    plane[x] = value;
-                }
+            for (x, pixel) in pixels.iter().enumerate().take(COLUMNS) {
+                W::set(row, x, *pixel);
             }
         }
     }
@@ -235,20 +240,9 @@ impl<W: PixelWord> WordTile<W> {
     pub fn copy(&self, to: &mut [Pixel]) {
         let columns = extent(&self.window)[0].max(1);
         for (row, to) in self.rows.iter().zip(to.chunks_exact_mut(columns)) {
-            let [light, red, green, blue] = row;
-            let colours = red.iter().zip(green).zip(blue);
-            for ((pixel, light), ((r, g), b)) in to.iter_mut().zip(light).zip(colours) {
-                *pixel = Pixel {
-                    colour: [r.sum(), g.sum(), b.sum()],
-                    transmittance: light.light(),
-                };
+            for (x, pixel) in to.iter_mut().enumerate().take(COLUMNS) {
+                *pixel = W::pixel(row, x);
             }
         }
     }
-}
-
-/// A pixel's words in the order of the planes.
-fn words<W: PixelWord>(pixel: Pixel) -> [W; 4] {
-    let [r, g, b] = pixel.colour.map(W::of_sum);
-    [W::of_light(pixel.transmittance), r, g, b]
 }
