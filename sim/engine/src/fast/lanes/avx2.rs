@@ -6,7 +6,7 @@
 
 #![allow(unsafe_code)]
 
-use super::words::{Lanes, ShareShift, Sums};
+use super::words::{Entries, Lanes, ShareShift, Sums};
 #[cfg(not(miri))]
 use std::arch::asm;
 use std::arch::x86_64::*;
@@ -283,12 +283,10 @@ impl Lanes for Avx2 {
         self.sub(shifted, self.splat(turn))
     }
     #[inline(always)]
-    fn pairs(self, table: &[u32], index: __m256i) -> __m256i {
-        let Some(last) = table.len().checked_sub(2) else {
-            return self.splat(0);
-        };
-        let index = op!(_mm256_min_epu32(index, self.splat(i64::from(last as u32))));
-        let words = table.as_ptr();
+    fn pairs(self, table: Entries, index: __m256i) -> __m256i {
+        let (entries, last) = table.to_last();
+        let index = op!(_mm256_min_epu32(index, self.splat(last.into())));
+        let words = entries.as_ptr();
         // SAFETY: every index and the next one lie in the table. An entry and the next one are a word of 64 bits.
         four_words(self, index, |place| unsafe {
             words.add(place).cast::<u64>().read_unaligned()

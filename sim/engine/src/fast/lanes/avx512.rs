@@ -3,7 +3,7 @@
 #![allow(unsafe_code)]
 
 use super::avx2::{AttributeFactors, Avx2, four_words, rows, store_rows, transposed};
-use super::words::{Lanes, ShareShift, Sums};
+use super::words::{Entries, Lanes, ShareShift, Sums};
 use std::arch::x86_64::*;
 
 /// Proof that the processor has AVX-512 F, BW, DQ, VL, CD and IFMA and all that AVX2 processors have. No
@@ -132,13 +132,11 @@ impl Lanes for Avx512 {
         op!(_mm512_lzcnt_epi64(a))
     }
     #[inline(always)]
-    fn pairs(self, table: &[u32], index: __m512i) -> __m512i {
-        let Some(last) = table.len().checked_sub(2) else {
-            return self.splat(0);
-        };
-        let index = op!(_mm512_min_epu32(index, self.splat(i64::from(last as u32))));
+    fn pairs(self, table: Entries, index: __m512i) -> __m512i {
+        let (entries, last) = table.to_last();
+        let index = op!(_mm512_min_epu32(index, self.splat(last.into())));
         let [low, high] = halves(self, index);
-        let words = table.as_ptr();
+        let words = entries.as_ptr();
         // SAFETY: every index and the next one lie in the table. An entry and the next one are a word of 64 bits.
         let word = |place| unsafe { words.add(place).cast::<u64>().read_unaligned() };
         let low = four_words(self.avx2(), low, word);

@@ -1,5 +1,6 @@
 //! Operations of every implementation against the portable arrays, word for word.
 
+use super::words::Entries;
 use super::*;
 use proptest::prelude::*;
 
@@ -38,7 +39,7 @@ impl VectorTask for &Operations {
             lanes.keep(a, lanes.except(truth, first)),
             lanes.min_short(lanes.and(a, low), lanes.and(b, low)),
             lanes.multiples(lanes.splat(self.b[0])),
-            lanes.pairs(&self.table, b),
+            lanes.pairs(Entries::new(&self.table), b),
             lanes.halves(a, b),
             lanes.add_halves(a, b),
             lanes.unmarked(a),

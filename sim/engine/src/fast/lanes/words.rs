@@ -10,6 +10,28 @@
 
 use super::singles::Singles;
 
+/// Two entries of a table at least.
+#[derive(Clone, Copy, Debug)]
+pub struct Entries<'a>(&'a [u32]);
+
+impl<'a> Entries<'a> {
+    /// These, or two zeros if they are fewer.
+    #[inline(always)]
+    pub fn new(entries: &'a [u32]) -> Self {
+        if entries.len() < 2 {
+            Entries(&[0; 2])
+        } else {
+            Entries(entries)
+        }
+    }
+
+    /// All of them, and the number of the last but one.
+    #[inline(always)]
+    pub(super) fn to_last(self) -> (&'a [u32], u32) {
+        (self.0, (self.0.len() - 2) as u32)
+    }
+}
+
 /// Sums of a pixel; the last one is the sum of weights.
 pub type Sums = [u32; 8];
 
@@ -80,12 +102,12 @@ pub trait Lanes: Copy + Send + Sync {
         self.sar(a, self.splat(by.into()))
     }
     /// `table[index]` in a lower half and `table[index + 1]` above it, of the index's lower 32 bits; the last two entries
-    /// beyond the table, zeros if it has fewer.
-    fn pairs(self, table: &[u32], index: Self::Word) -> Self::Word;
-    /// The same as two words.
+    /// beyond the table.
+    fn pairs(self, table: Entries, index: Self::Word) -> Self::Word;
+    /// The same as two words; zeros of a table that has fewer.
     #[inline(always)]
     fn gather(self, table: &[u32], index: Self::Word) -> [Self::Word; 2] {
-        let pairs = self.pairs(table, index);
+        let pairs = self.pairs(Entries::new(table), index);
         [self.lower(pairs), self.upper(pairs)]
     }
     /// a > b.

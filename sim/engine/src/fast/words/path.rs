@@ -20,6 +20,7 @@
 
 use super::tile::{PixelWord, Row};
 use crate::fast::lanes::Lanes;
+use crate::fast::lanes::words::Entries;
 use crate::fast::painter::TableMemory;
 use crate::fast::rows::Pixels;
 use crate::fast::setup::number::BitDrop;
@@ -82,8 +83,9 @@ pub const BACK_TO_FRONT: u8 = 2;
 pub const X_RAY: u8 = 3;
 /// Added to one of them: results may be rounded with ties to even.
 pub const EVEN: u8 = 4;
-/// Added to one of them: contributions to colours lose more bits than half a word has.
-const LONG: u8 = 8;
+/// Added to one of them: contributions to colours lose more bits than half a word has, or opacities are compared with a
+/// threshold that does not follow from rounding.
+const UNUSUAL: u8 = 8;
 /// Any of them, looked up: those that usual designs need have compiled copies of their own, which take an eighth fewer
 /// instructions.
 pub const ANY: u8 = 16;
@@ -137,7 +139,8 @@ impl PathNumbers {
     /// or a constant or the lanes' radial index its format.
     pub fn new(memory: &TableMemory, lane_bits: u32) -> Option<Self> {
         let (widths, table) = (&memory.widths, memory.table());
-        let constants = Blend::new(widths, &memory.rules).constants();
+        let blend = Blend::new(widths, &memory.rules);
+        let constants = blend.constants();
         let (entries, deep) = (table.entries(), lane_bits > 32);
         let fits = entries.iter().all(|entry| *entry <= 1 << widths.weight)
             && entries.is_sorted_by(|entry, next| entry >= next)
@@ -154,7 +157,11 @@ impl PathNumbers {
         } else {
             0
         };
-        let long = if colour.by > 32 { LONG } else { 0 };
+        let unusual = if colour.by > 32 || !blend.draws_all_visible() {
+            UNUSUAL
+        } else {
+            0
+        };
         Some(PathNumbers {
             widths: *widths,
             beyond: [widths.peak, widths.colour]
@@ -170,7 +177,7 @@ impl PathNumbers {
             opacity_min: i64::try_from(constants.opacity_min).ok()?,
             stop: i64::from(constants.minimum_transmittance) + 1,
             operator: even
-                | long
+                | unusual
                 | if constants.omit_finishing {
                     OMIT_FINISHING
                 } else {
@@ -239,7 +246,7 @@ pub struct WordPixels<'a, L: Lanes, const OPERATOR: u8> {
     lanes: L,
     /// The operator, for the copy that looks it up.
     operator: u8,
-    entries: &'a [u32],
+    entries: Entries<'a>,
     /// Left shifts of lanes that have 32 bits, and to a vector's width.
     raise: u32,
     width: L::Word,
@@ -301,7 +308,7 @@ impl<'a, L: Lanes, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
         WordPixels {
             lanes,
             operator: numbers.operator,
-            entries: &numbers.entries,
+            entries: Entries::new(&numbers.entries),
             raise: numbers.raise,
             width: word(L::WIDE.ilog2().into()),
             interval: word(u64::from(numbers.raise + rest)),
@@ -376,7 +383,11 @@ impl<'a, L: Lanes, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
         let lanes = self.lanes;
         let product = lanes.mul_unsigned(splat.peak, self.weight(radial));
         let product = lanes.keep(product, inside);
-        let product = lanes.clear(product, lanes.greater(self.opacity_min, product));
+        let product = if matches!(OPERATOR, DRAW_FINISHING | OMIT_FINISHING) {
+            product
+        } else {
+            lanes.clear(product, lanes.greater(self.opacity_min, product))
+        };
         lanes.min_short(self.rounded(product, self.opacity), self.alpha_max)
     }
 
@@ -416,7 +427,7 @@ impl<'a, L: Lanes, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
             (share, rest)
         };
         let after = lanes.or(after, lanes.keep(self.mark, stop));
-        if self.operator() & (EVEN | LONG) == 0 {
+        if self.operator() & (EVEN | UNUSUAL) == 0 {
             self.colour(splat, share, after, x, row);
         } else {
             self.any_colour(splat, share, after, x, row);
