@@ -26,7 +26,7 @@ def without_tests(path, text):
     for number, line in enumerate(text[:-1]):
         if line.strip() == "#[cfg(test)]" and re.match(r"\s*mod \w+ \{", text[number + 1]):
             return number
-    return len(text)
+    return len(text) - 1
 
 
 def folder(path):
