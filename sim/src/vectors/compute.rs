@@ -65,8 +65,7 @@ fn compute_with<D: Design>(design: D, subject: &VectorSubject) -> Vec<VectorStag
     }
     let [splats, setup @ ..] = setup;
     let mut stages = vec![splats];
-    stages.extend(functions::tables());
-    stages.push(functions::cases());
+    stages.extend(functions::stages());
     stages.extend(setup);
     stages.push(packets);
     stages.extend(raster.finish());

@@ -2,7 +2,8 @@
 
 use super::builtin::soft;
 use super::compute::splats_stage;
-use super::manifest::{Manifest, StageRecord, digest};
+use super::manifest::{Manifest, StageRecord};
+use super::stage::digest;
 use super::work::room_for;
 use super::{VectorStage, VectorSubject, compute};
 use crate::atomic;

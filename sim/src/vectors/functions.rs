@@ -4,7 +4,33 @@
 use super::VectorStage;
 use super::builtin::{BuiltinRandom, soft};
 use super::record::{Words, record};
+use super::stage::digest;
 use splatline::math::{LOGARITHMS, RECIPROCALS, ROOTS, SoftFloat, ln, reciprocal, square_root};
+use std::sync::LazyLock;
+
+/// The stages and their digests: computed once, since each subject has them.
+static STAGES: LazyLock<Vec<(VectorStage, String)>> = LazyLock::new(|| {
+    let with_digest = |stage: VectorStage| {
+        let text = stage.to_text();
+        (stage, digest(text.as_bytes()))
+    };
+    tables()
+        .into_iter()
+        .chain([cases()])
+        .map(with_digest)
+        .collect()
+});
+
+/// All of them: tables, then results.
+pub fn stages() -> impl Iterator<Item = VectorStage> {
+    STAGES.iter().map(|(stage, _)| stage.clone())
+}
+
+/// The digest of a stage that is one of these.
+pub fn known_digest(stage: &VectorStage) -> Option<String> {
+    let known = STAGES.iter().find(|(known, _)| known == stage);
+    known.map(|(_, digest)| digest.clone())
+}
 
 /// Bits of results.
 const BITS: [u32; 3] = [16, 17, 31];
@@ -33,7 +59,7 @@ const CASES: usize = 4096;
 
 /// Reciprocal, root and logarithm of numbers of all lengths, signs and exponents: to 16 bits, the most without the step
 /// behind the table, to 17 and to 31. What has no result has zeros.
-pub fn cases() -> VectorStage {
+fn cases() -> VectorStage {
     let mut stage = VectorStage::new(
         "functions",
         "an argument; its reciprocal and root to 16, 17 and 31 bits, and its logarithm; zeros where there is none",
@@ -68,7 +94,7 @@ fn argument(random: &mut BuiltinRandom, case: usize) -> SoftFloat {
 }
 
 /// The read-only memories of setup and rows, which do not depend on the design.
-pub fn tables() -> [VectorStage; 3] {
+fn tables() -> [VectorStage; 3] {
     let table = |name, about, fields, words: &[u32]| {
         let mut stage = VectorStage::new(name, about, fields);
         let records = words.chunks(stage.fields.len());

@@ -50,6 +50,12 @@ impl RecordField {
     }
 }
 
+/// FNV-1a: not against forgery, but for finding out that a file has changed.
+pub fn digest(bytes: &[u8]) -> String {
+    let step = |hash: u64, byte: &u8| (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3);
+    format!("{:016x}", bytes.iter().fold(0xcbf2_9ce4_8422_2325, step))
+}
+
 /// A stage's table.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct VectorStage {

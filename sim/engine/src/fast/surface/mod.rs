@@ -12,7 +12,8 @@ use super::painter::{CHECK_INTERVAL, TableMemory};
 use super::row_group::RowGroup;
 use super::rows::{Pixels, RowBatch, RuntimeRows};
 use super::setup::SurfaceOutcome;
-use super::words::path::{EVEN, PathNumbers, PixelPath, SplatWords, WordPixels};
+use super::words::numbers::{EVEN, PathNumbers};
+use super::words::path::{PixelPath, SplatWords, WordPixels};
 use splatline::blend::surface::{Cell, Sample, WeightedSum, sum_fraction};
 use splatline::draw::Coverage;
 use splatline::footprint::surface::{

@@ -7,6 +7,7 @@
 //! that this moves no bit of a picture.
 
 mod live;
+pub(super) mod numbers;
 mod painting;
 pub(super) mod path;
 mod single;
@@ -17,9 +18,9 @@ use super::lanes::{Lanes, VectorLevel, VectorTask, dispatch_pixels, draws_pixels
 use super::painter::{CHECK_INTERVAL, PaintScratch, Results, ScalarPainter, TilePainter, TileWork};
 use super::rows::RuntimeRows;
 use super::setup::Outcome;
+use numbers::{ANY, BACK_TO_FRONT, DRAW_FINISHING, OMIT_FINISHING, PathNumbers, X_RAY};
 use painting::{PaintAlone, Painting};
-use path::{ANY, BACK_TO_FRONT, DRAW_FINISHING, OMIT_FINISHING, PathNumbers};
-use path::{WordPixels, X_RAY};
+use path::WordPixels;
 use single::{SingleNumbers, SinglePixels};
 use splatline::blend::Pixel;
 use splatline::draw::Coverage;

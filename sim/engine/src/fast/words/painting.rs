@@ -2,7 +2,8 @@
 //! painted one by one.
 
 use super::live::LiveRuns;
-use super::path::{PathNumbers, PixelPath, SplatNumbers};
+use super::numbers::{PathNumbers, SplatNumbers};
+use super::path::PixelPath;
 use super::tile::WordTile;
 use crate::fast::lanes::{Lanes, prefetch};
 use crate::fast::painter::{CHECK_INTERVAL, Results, Start};

@@ -18,18 +18,17 @@
 //!
 //! [`FootprintTable::weight`]: splatline::kernel::FootprintTable::weight
 
+use super::numbers::{
+    ANY, BACK_TO_FRONT, DRAW_FINISHING, EVEN, OMIT_FINISHING, PathNumbers, SplatNumbers, UNUSUAL,
+    X_RAY,
+};
 use super::tile::{PixelWord, Row};
 use crate::fast::lanes::Lanes;
 use crate::fast::lanes::words::Entries;
-use crate::fast::painter::TableMemory;
 use crate::fast::rows::Pixels;
 use crate::fast::setup::number::BitDrop;
 use crate::fast::tile::TILE;
-use splatline::blend::Blend;
-use splatline::draw::{Coverage, cutoff_in_lane};
-use splatline::footprint::Footprint;
-use splatline::format::{Rounding, Widths};
-use splatline::rules::Compositing;
+use splatline::draw::Coverage;
 
 /// The pixels of a footprint's runs, by whatever words.
 pub trait PixelPath {
@@ -73,174 +72,7 @@ pub struct TwoRuns<'a> {
     pub first: &'a [i64; 2],
 }
 
-/// How a layer and a pixel become a pixel. Front to back; the layer that finishes a pixel is drawn.
-pub const DRAW_FINISHING: u8 = 0;
-/// Front to back; the layer that would finish a pixel is left out.
-pub const OMIT_FINISHING: u8 = 1;
-/// Back to front; no pixel finishes.
-pub const BACK_TO_FRONT: u8 = 2;
-/// Summation; no pixel finishes.
-pub const X_RAY: u8 = 3;
-/// Added to one of them: results may be rounded with ties to even.
-pub const EVEN: u8 = 4;
-/// Added to one of them: contributions to colours lose more bits than half a word has, or opacities are compared with a
-/// threshold that does not follow from rounding.
-const UNUSUAL: u8 = 8;
-/// Any of them, looked up: those that usual designs need have compiled copies of their own, which take an eighth fewer
-/// instructions.
-pub const ANY: u8 = 16;
-
-/// A product's right shift; `None` if it is not one.
-fn shift(by: i32, rounding: Rounding) -> Option<BitDrop> {
-    let by = u32::try_from(by).ok().filter(|by| *by < 64)?;
-    Some(BitDrop::new(by, rounding))
-}
-
-/// Everything about the pixel path that is constant for a picture, as numbers.
-#[derive(Clone, Debug)]
-pub struct PathNumbers {
-    widths: Widths,
-    /// The table's entries, and bits of the radial index below an interval's number.
-    entries: Box<[u32]>,
-    rest_bits: u32,
-    /// Bits above the formats of peaks and colours.
-    beyond: [u32; 2],
-    /// Left shift of lanes that have 32 bits.
-    raise: u32,
-    /// Fraction bits of the position within an interval.
-    kept: u32,
-    opacity: BitDrop,
-    share: BitDrop,
-    colour: BitDrop,
-    alpha_max: u32,
-    /// Products of peak and kernel below this are skipped.
-    opacity_min: i64,
-    /// Transmittances below this finish a pixel.
-    stop: i64,
-    /// One of the four ways.
-    pub operator: u8,
-    /// Opacity times colour, where a layer does not lie behind others.
-    layer: Option<BitDrop>,
-    /// From an opacity raised to the transmittance's format, if that has more bits, to that format.
-    light: BitDrop,
-}
-
-/// What a footprint's pixels need beside its rows.
-#[derive(Clone, Copy, Debug)]
-pub struct SplatNumbers {
-    /// One past the largest radial index inside, raised.
-    pub end: i64,
-    pub peak: u32,
-    pub colour: [u32; 3],
-}
-
-impl PathNumbers {
-    /// For widths and a table that words can do, in lanes of so many bits; `None` if an entry of the table exceeds 1,
-    /// or a constant or the lanes' radial index its format.
-    pub fn new(memory: &TableMemory, lane_bits: u32) -> Option<Self> {
-        let (widths, table) = (&memory.widths, memory.table());
-        let blend = Blend::new(widths, &memory.rules);
-        let constants = blend.constants();
-        let (entries, deep) = (table.entries(), lane_bits > 32);
-        let fits = entries.iter().all(|entry| *entry <= 1 << widths.weight)
-            && entries.is_sorted_by(|entry, next| entry >= next)
-            && u64::from(constants.minimum_transmittance) < 1 << widths.transmittance
-            && constants.alpha_max <= 1 << widths.alpha
-            && (deep || widths.radial <= 27);
-        if !fits {
-            return None;
-        }
-        let shift = |by| shift(by, constants.rounding);
-        let colour = shift(constants.colour_shift)?;
-        let even = if constants.rounding == Rounding::NearestEven {
-            EVEN
-        } else {
-            0
-        };
-        let unusual = if colour.by > 32 || !blend.draws_all_visible() {
-            UNUSUAL
-        } else {
-            0
-        };
-        Some(PathNumbers {
-            widths: *widths,
-            beyond: [widths.peak, widths.colour]
-                .map(|fraction| u32::MAX.checked_shl(u32::from(fraction) + 4).unwrap_or(0)),
-            entries: entries.into(),
-            rest_bits: table.rest_bits(),
-            kept: u32::from(widths.interpolation).min(table.rest_bits()),
-            raise: if deep { 0 } else { 32 },
-            opacity: shift(constants.opacity_shift)?,
-            share: shift(constants.contribution_shift)?,
-            colour,
-            alpha_max: constants.alpha_max,
-            opacity_min: i64::try_from(constants.opacity_min).ok()?,
-            stop: i64::from(constants.minimum_transmittance) + 1,
-            operator: even
-                | unusual
-                | if constants.omit_finishing {
-                    OMIT_FINISHING
-                } else {
-                    DRAW_FINISHING
-                },
-            layer: None,
-            light: shift(0)?,
-        })
-    }
-
-    /// The same in another order; `None` where a sum of layers might leave what words can do.
-    pub fn in_order(self, order: Compositing, rounding: Rounding) -> Option<Self> {
-        let operator = match order {
-            Compositing::FrontToBack => return Some(self),
-            Compositing::BackToFront => BACK_TO_FRONT,
-            Compositing::XRay => X_RAY,
-        };
-        let [alpha, transmittance, colour, accumulator] = [
-            self.widths.alpha,
-            self.widths.transmittance,
-            self.widths.colour,
-            self.widths.accumulator,
-        ]
-        .map(i32::from);
-        // A layer is at most 16, which has no place in 32 bits otherwise.
-        if accumulator > 27 {
-            return None;
-        }
-        Some(PathNumbers {
-            operator: operator | self.operator & EVEN,
-            layer: Some(shift(alpha + colour - accumulator, rounding)?),
-            light: shift((alpha - transmittance).max(0), rounding)?,
-            ..self
-        })
-    }
-
-    /// One past the largest radial index inside a footprint with this cut-off; `None` if it lies outside the table, so
-    /// that vectors would look something up beyond it, or outside the lanes.
-    #[inline(always)]
-    fn end(&self, cutoff: u32) -> Option<i64> {
-        let end = i64::try_from(cutoff_in_lane(cutoff, self.widths.radial)).ok()?;
-        let last = end.checked_sub(1)?;
-        let fits = (self.raise == 0 || end <= i64::from(i32::MAX))
-            && (last < 0 || ((last as u64) >> self.rest_bits) + 1 < self.entries.len() as u64);
-        fits.then_some(end)
-    }
-
-    /// A footprint's numbers; `None` if its words lie outside their formats or its end outside the table.
-    #[inline(always)]
-    pub fn splat(&self, footprint: &Footprint) -> Option<SplatNumbers> {
-        let end = self.end(footprint.cutoff)?;
-        let [red, green, blue] = footprint.colour;
-        let [peak, colour] = self.beyond;
-        let fits = footprint.opacity & peak | (red | green | blue) & colour == 0;
-        fits.then(|| SplatNumbers {
-            end: end << self.raise,
-            peak: footprint.opacity,
-            colour: footprint.colour,
-        })
-    }
-}
-
-/// The same on vectors.
+/// The path on vectors.
 #[derive(Clone, Copy)]
 pub struct WordPixels<'a, L: Lanes, const OPERATOR: u8> {
     lanes: L,
@@ -445,10 +277,10 @@ impl<'a, L: Lanes, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
         row: &mut Row<u64>,
     ) {
         let lanes = self.lanes;
-        let [red, green, blue] = splat.colour.map(|colour| {
-            let product = lanes.mul_unsigned(share, colour);
-            lanes.add(product, self.colour.half)
-        });
+        let [red, green, blue] = splat.colour;
+        let red = lanes.add(lanes.mul_unsigned(share, red), self.colour.half);
+        let green = lanes.add(lanes.mul_unsigned(share, green), self.colour.half);
+        let blue = lanes.add(lanes.mul_unsigned(share, blue), self.colour.half);
         // No accumulator has more than 27 fraction bits, so that a contribution fits half a word.
         let blue = lanes.shr(blue, self.colour.by);
         lanes.write(&mut row[0], x, lanes.add_halves(after, blue));
@@ -469,21 +301,25 @@ impl<'a, L: Lanes, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
         row: &mut Row<u64>,
     ) {
         let lanes = self.lanes;
-        let added = |sum: L::Word, colour: L::Word| {
-            let product = lanes.mul_unsigned(share, colour);
-            if self.operator() & EVEN == 0 {
-                lanes.add(sum, self.rounded(product, self.colour))
-            } else {
-                let sum = lanes.shl(lanes.lower(sum), self.colour.by);
-                self.rounded(lanes.add(sum, product), self.colour)
-            }
-        };
         let [red, green, blue] = splat.colour;
-        lanes.write(&mut row[0], x, lanes.halves(added(after, blue), after));
+        let blue = self.added(after, share, blue);
+        lanes.write(&mut row[0], x, lanes.halves(blue, after));
         let sums = lanes.read(&row[1], x);
-        let green = added(lanes.upper(sums), green);
-        let both = lanes.halves(added(sums, red), lanes.raised(green));
-        lanes.write(&mut row[1], x, both);
+        let red = self.added(sums, share, red);
+        let green = self.added(lanes.upper(sums), share, green);
+        lanes.write(&mut row[1], x, lanes.halves(red, lanes.raised(green)));
+    }
+
+    /// A contribution's light of a colour added to the sum in a lower half.
+    #[inline(always)]
+    fn added(&self, sum: L::Word, share: L::Word, colour: L::Word) -> L::Word {
+        let lanes = self.lanes;
+        let product = lanes.mul_unsigned(share, colour);
+        if self.operator() & EVEN == 0 {
+            return lanes.add(sum, self.rounded(product, self.colour));
+        }
+        let sum = lanes.shl(lanes.lower(sum), self.colour.by);
+        self.rounded(lanes.add(sum, product), self.colour)
     }
 
     /// [`Blend::back_to_front`] or [`Blend::x_ray`]: opacities are at most 1, so that what a layer hides of a sum is at
@@ -497,36 +333,50 @@ impl<'a, L: Lanes, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
         x: usize,
         row: &mut Row<u64>,
     ) {
-        let (lanes, is_x_ray) = (self.lanes, self.operator() & X_RAY == X_RAY);
-        let hidden = |word: L::Word| self.rounded(lanes.mul_unsigned(word, alpha), self.share);
-        let above = |sum: L::Word, colour: L::Word| {
-            let layer = self.rounded(lanes.mul_unsigned(alpha, colour), self.layer);
-            let sum = if is_x_ray {
-                sum
-            } else {
-                lanes.sub(sum, hidden(sum))
-            };
-            let sum = lanes.add(sum, layer);
-            lanes.select(sum, self.last, lanes.greater(sum, self.last))
-        };
+        let lanes = self.lanes;
         let [red, green, blue] = splat.colour;
         let first = lanes.read(&row[0], x);
         let light = lanes.upper(first);
-        let rest = if is_x_ray {
+        let rest = if self.is_x_ray() {
             let taken = self.rounded(lanes.shl(alpha, self.raised), self.light);
             let rest = lanes.sub(light, taken);
             lanes.clear(rest, lanes.marked(rest))
         } else {
-            lanes.sub(light, hidden(light))
+            lanes.sub(light, self.hidden(light, alpha))
         };
-        let blue = above(lanes.lower(first), blue);
+        let blue = self.above(lanes.lower(first), alpha, blue);
         let after = lanes.halves(blue, lanes.raised(rest));
         // Marks beyond the tile stay.
         lanes.write(&mut row[0], x, lanes.select(first, after, inside));
         let sums = lanes.read(&row[1], x);
-        let green = above(lanes.upper(sums), green);
-        let both = lanes.halves(above(lanes.lower(sums), red), lanes.raised(green));
-        lanes.write(&mut row[1], x, both);
+        let red = self.above(lanes.lower(sums), alpha, red);
+        let green = self.above(lanes.upper(sums), alpha, green);
+        lanes.write(&mut row[1], x, lanes.halves(red, lanes.raised(green)));
+    }
+
+    #[inline(always)]
+    fn is_x_ray(&self) -> bool {
+        self.operator() & X_RAY == X_RAY
+    }
+
+    /// What a layer hides of a sum or a transmittance.
+    #[inline(always)]
+    fn hidden(&self, word: L::Word, alpha: L::Word) -> L::Word {
+        self.rounded(self.lanes.mul_unsigned(word, alpha), self.share)
+    }
+
+    /// A sum behind a layer of a colour, at most the format's last number.
+    #[inline(always)]
+    fn above(&self, sum: L::Word, alpha: L::Word, colour: L::Word) -> L::Word {
+        let lanes = self.lanes;
+        let layer = self.rounded(lanes.mul_unsigned(alpha, colour), self.layer);
+        let rest = if self.is_x_ray() {
+            sum
+        } else {
+            lanes.sub(sum, self.hidden(sum, alpha))
+        };
+        let sum = lanes.add(rest, layer);
+        lanes.select(sum, self.last, lanes.greater(sum, self.last))
     }
 
     /// A product brought back to its format.

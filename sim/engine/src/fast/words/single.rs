@@ -21,7 +21,8 @@
 //! interval's number above it, which the packed table counts on, it sees 16 bits as a signed number, and what it does
 //! not see is taken off the interval's word.
 
-use super::path::{OMIT_FINISHING, PixelPath, SplatNumbers, TwoRuns};
+use super::numbers::{OMIT_FINISHING, SplatNumbers};
+use super::path::{PixelPath, TwoRuns};
 use super::tile::Row;
 use crate::fast::lanes::packed::{PackedOn, PackedWords};
 use crate::fast::lanes::singles::{HAS_FUSED_ADD, SINGLES, Singles};
@@ -523,7 +524,7 @@ mod tests {
             if self.rules.omit_finishing {
                 self.check::<L, OMIT_FINISHING>(lanes)
             } else {
-                self.check::<L, { super::super::path::DRAW_FINISHING }>(lanes)
+                self.check::<L, { super::super::numbers::DRAW_FINISHING }>(lanes)
             }
         }
     }

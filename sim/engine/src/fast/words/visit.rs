@@ -4,7 +4,8 @@
 //! What [`Painter::visit`](splatline::draw::Painter::visit) gives, bit for bit, a run at a time: rows and opacities are
 //! those of painting, and whoever asked composites them.
 
-use super::path::{EVEN, PathNumbers, PixelPath, SplatWords, WordPixels};
+use super::numbers::{EVEN, PathNumbers};
+use super::path::{PixelPath, SplatWords, WordPixels};
 use crate::fast::lanes::{Lanes, VectorLevel, VectorTask, dispatch_pixels};
 use crate::fast::painter::TableMemory;
 use crate::fast::row_group::RowGroup;
