@@ -216,6 +216,7 @@ impl<'a, L: Lanes, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
         let product = lanes.mul_unsigned(splat.peak, self.weight(radial));
         let product = lanes.keep(product, inside);
         let product = if matches!(OPERATOR, DRAW_FINISHING | OMIT_FINISHING) {
+            // What is below the usual threshold rounds to 0: see [`UNUSUAL`].
             product
         } else {
             lanes.clear(product, lanes.greater(self.opacity_min, product))
