@@ -101,8 +101,8 @@ pub trait Lanes: Copy + Send + Sync {
     fn sar_by(self, a: Self::Word, by: u32) -> Self::Word {
         self.sar(a, self.splat(by.into()))
     }
-    /// `table[index]` in a lower half and `table[index + 1]` above it, of the index's lower 32 bits; the last two entries
-    /// beyond the table.
+    /// `table[index]` in a lower half and `table[index + 1]` above it, of the index's lower 32 bits; the last two
+    /// entries beyond the table.
     fn pairs(self, table: Entries, index: Self::Word) -> Self::Word;
     /// The same as two words; zeros of a table that has fewer.
     #[inline(always)]

@@ -1,5 +1,5 @@
-//! What is constant for a picture drawn on words, and for a footprint: designs and rules as numbers, so that one compiled
-//! copy draws all, and the operators that have copies of their own.
+//! What is constant for a picture drawn on words, and for a footprint: designs and rules as numbers, so that one
+//! compiled copy draws all, and the operators that have copies of their own.
 
 use crate::fast::painter::TableMemory;
 use crate::fast::setup::number::BitDrop;
