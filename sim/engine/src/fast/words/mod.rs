@@ -18,7 +18,7 @@ use super::lanes::{Lanes, VectorLevel, VectorTask, dispatch_pixels, draws_pixels
 use super::painter::{CHECK_INTERVAL, PaintScratch, Results, ScalarPainter, TilePainter, TileWork};
 use super::rows::RuntimeRows;
 use super::setup::Outcome;
-use numbers::{ANY, BACK_TO_FRONT, DRAW_FINISHING, OMIT_FINISHING, PathNumbers, X_RAY};
+use numbers::{ANY, BACK_TO_FRONT, DRAW_FINISHING, LAYERS, OMIT_FINISHING, PathNumbers, X_RAY};
 use painting::{PaintAlone, Painting};
 use path::WordPixels;
 use single::{SingleNumbers, SinglePixels};
@@ -176,8 +176,7 @@ impl VectorTask for TilePainting<'_, u64, PathNumbers> {
         match self.numbers.operator {
             OMIT_FINISHING => self.paint::<L, OMIT_FINISHING>(lanes),
             DRAW_FINISHING => self.paint::<L, DRAW_FINISHING>(lanes),
-            BACK_TO_FRONT => self.paint::<L, BACK_TO_FRONT>(lanes),
-            X_RAY => self.paint::<L, X_RAY>(lanes),
+            BACK_TO_FRONT | X_RAY => self.paint::<L, LAYERS>(lanes),
             _ => self.paint::<L, ANY>(lanes),
         }
     }

@@ -22,9 +22,11 @@ pub const EVEN: u8 = 4;
 /// Added to one of them: contributions to colours lose more bits than half a word has, or opacities are compared with a
 /// threshold that does not follow from rounding.
 pub(super) const UNUSUAL: u8 = 8;
+/// One of the two without an end, looked up.
+pub const LAYERS: u8 = 16;
 /// Any of them, looked up: those that usual designs need have compiled copies of their own, which take an eighth fewer
 /// instructions.
-pub const ANY: u8 = 16;
+pub const ANY: u8 = 32;
 
 /// A product's right shift; `None` if it is not one.
 fn shift(by: i32, rounding: Rounding) -> Option<BitDrop> {

@@ -19,8 +19,8 @@
 //! [`FootprintTable::weight`]: splatline::kernel::FootprintTable::weight
 
 use super::numbers::{
-    ANY, BACK_TO_FRONT, DRAW_FINISHING, EVEN, OMIT_FINISHING, PathNumbers, SplatNumbers, UNUSUAL,
-    X_RAY,
+    ANY, BACK_TO_FRONT, DRAW_FINISHING, EVEN, LAYERS, OMIT_FINISHING, PathNumbers, SplatNumbers,
+    UNUSUAL, X_RAY,
 };
 use super::tile::{PixelWord, Row};
 use crate::fast::lanes::Lanes;
@@ -167,10 +167,10 @@ impl<'a, L: Lanes, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
     /// The operator, a constant in copies for one.
     #[inline(always)]
     fn operator(&self) -> u8 {
-        if OPERATOR == ANY {
-            self.operator
-        } else {
-            OPERATOR
+        match OPERATOR {
+            ANY => self.operator,
+            LAYERS => BACK_TO_FRONT | self.operator & X_RAY,
+            one => one,
         }
     }
 
