@@ -56,6 +56,8 @@ def main():
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--csv", type=pathlib.Path, help="also write the table there")
     options = parser.parse_args()
+    if not DATA.is_dir():
+        raise SystemExit(f"{DATA} has the scenes that are drawn, and is not there")
     levels = ["avx2"]
     if "avx512f" in pathlib.Path("/proc/cpuinfo").read_text():
         levels.append("avx512")
