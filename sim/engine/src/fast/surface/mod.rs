@@ -10,7 +10,7 @@ use super::lanes::words::ShareShift;
 use super::lanes::{Lanes, VectorLevel, VectorTask, dispatch_pixels, prefetch};
 use super::painter::{CHECK_INTERVAL, TableMemory};
 use super::row_group::RowGroup;
-use super::rows::{Pixels, RowBatch, RuntimeRows};
+use super::rows::{Pixels, RowBatch};
 use super::setup::SurfaceOutcome;
 use super::words::numbers::{EVEN, PathNumbers};
 use super::words::path::{PixelPath, SplatWords, WordPixels};
@@ -34,7 +34,6 @@ const LOOK_INTERVAL: usize = 256;
 /// Everything about gathering that is constant for a picture, as numbers: one compiled copy draws all designs.
 #[derive(Clone, Debug)]
 pub struct GatherNumbers {
-    rows: RuntimeRows,
     path: PathNumbers,
     /// Left shift, half of a unit and right shift from an opacity to a weight.
     weight: [i64; 3],
@@ -54,7 +53,6 @@ impl GatherNumbers {
         let down = drop.max(0) as u32;
         let share = u32::from(attribute_fraction(widths));
         Some(GatherNumbers {
-            rows: RuntimeRows::new(widths, lane_bits)?,
             path: PathNumbers::new(table, lane_bits)?,
             weight: [(-drop).max(0).into(), half(down) as i64, down.into()],
             share: ShareShift {
@@ -216,7 +214,7 @@ impl VectorTask for GatherTask<'_, '_> {
                 for (k, footprint) in seen.iter().flatten().enumerate() {
                     group.read(k, &footprint.footprint, &window);
                 }
-                let together = group.compute(lanes, &numbers.rows.widths(), left);
+                let together = group.compute(lanes, &numbers.path.rows.widths(), left);
                 for (k, footprint) in seen.iter().flatten().copied().enumerate() {
                     let values = numbers.attributes(&footprint.attributes)?;
                     let material = footprint.attributes.material;
@@ -226,7 +224,7 @@ impl VectorTask for GatherTask<'_, '_> {
                     if is_near(footprint)
                         && let Some(splat) = numbers.path.splat(shape)
                         && let Some((first, second)) =
-                            batch.fill(&numbers.rows, of_group, shape, (&window, left))
+                            batch.fill(&numbers.path.rows, of_group, shape, (&window, left))
                     {
                         let painted = Painted {
                             footprint,

@@ -16,7 +16,6 @@ pub mod visit;
 
 use super::lanes::{Lanes, VectorLevel, VectorTask, dispatch_pixels, draws_pixels};
 use super::painter::{CHECK_INTERVAL, PaintScratch, Results, ScalarPainter, TilePainter, TileWork};
-use super::rows::RuntimeRows;
 use super::setup::Outcome;
 use numbers::{ANY, BACK_TO_FRONT, DRAW_FINISHING, LAYERS, OMIT_FINISHING, PathNumbers, X_RAY};
 use painting::{PaintAlone, Painting};
@@ -33,7 +32,6 @@ use tile::{PixelWord, WordTile};
 pub struct WordPainter<D> {
     /// For what vectors cannot do.
     kernel: ScalarPainter<D>,
-    rows: RuntimeRows,
     numbers: PathNumbers,
     single: Option<SingleNumbers>,
     choice: VectorLevel,
@@ -61,7 +59,6 @@ impl<D: Design> WordPainter<D> {
         let single = SingleNumbers::new(&widths, rules, table.entries(), D::Lane::BITS);
         let single = single.filter(|_| order == Compositing::FrontToBack);
         Some(WordPainter {
-            rows: RuntimeRows::new(&widths, D::Lane::BITS)?,
             kernel,
             numbers,
             single,
@@ -118,9 +115,7 @@ impl<D: Design + Send + Sync> WordPainter<D> {
         }
         let task = TilePainting {
             painting: Painting {
-                widths,
                 numbers: &self.numbers,
-                rows: &self.rows,
                 footprints,
                 list: work.list,
                 start: work.start,

@@ -2,11 +2,12 @@
 //! compiled copy draws all, and the operators that have copies of their own.
 
 use crate::fast::painter::TableMemory;
+use crate::fast::rows::RuntimeRows;
 use crate::fast::setup::number::BitDrop;
 use splatline::blend::Blend;
 use splatline::draw::cutoff_in_lane;
 use splatline::footprint::Footprint;
-use splatline::format::{Rounding, Widths};
+use splatline::format::Rounding;
 use splatline::rules::Compositing;
 
 /// How a layer and a pixel become a pixel. Front to back; the layer that finishes a pixel is drawn.
@@ -37,7 +38,7 @@ fn shift(by: i32, rounding: Rounding) -> Option<BitDrop> {
 /// Everything about the pixel path that is constant for a picture, as numbers.
 #[derive(Clone, Debug)]
 pub struct PathNumbers {
-    pub(super) widths: Widths,
+    pub rows: RuntimeRows,
     /// The table's entries, and bits of the radial index below an interval's number.
     pub(super) entries: Box<[u32]>,
     pub(super) rest_bits: u32,
@@ -101,7 +102,7 @@ impl PathNumbers {
             0
         };
         Some(PathNumbers {
-            widths: *widths,
+            rows: RuntimeRows::new(widths, lane_bits)?,
             beyond: [widths.peak, widths.colour]
                 .map(|fraction| u32::MAX.checked_shl(u32::from(fraction) + 4).unwrap_or(0)),
             entries: entries.into(),
@@ -133,13 +134,9 @@ impl PathNumbers {
             Compositing::BackToFront => BACK_TO_FRONT,
             Compositing::XRay => X_RAY,
         };
-        let [alpha, transmittance, colour, accumulator] = [
-            self.widths.alpha,
-            self.widths.transmittance,
-            self.widths.colour,
-            self.widths.accumulator,
-        ]
-        .map(i32::from);
+        let widths = self.rows.widths();
+        let [alpha, transmittance] = [widths.alpha, widths.transmittance].map(i32::from);
+        let [colour, accumulator] = [widths.colour, widths.accumulator].map(i32::from);
         // A layer is at most 16, which has no place in 32 bits otherwise.
         if accumulator > 27 {
             return None;
@@ -156,7 +153,7 @@ impl PathNumbers {
     /// that vectors would look something up beyond it, or outside the lanes.
     #[inline(always)]
     fn end(&self, cutoff: u32) -> Option<i64> {
-        let end = i64::try_from(cutoff_in_lane(cutoff, self.widths.radial)).ok()?;
+        let end = i64::try_from(cutoff_in_lane(cutoff, self.rows.widths().radial)).ok()?;
         let last = end.checked_sub(1)?;
         let fits = (self.raise == 0 || end <= i64::from(i32::MAX))
             && (last < 0 || ((last as u64) >> self.rest_bits) + 1 < self.entries.len() as u64);

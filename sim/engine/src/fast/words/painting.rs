@@ -9,19 +9,16 @@ use crate::fast::lanes::{Lanes, prefetch};
 use crate::fast::painter::{CHECK_INTERVAL, Results, Start};
 use crate::fast::row_group::RowGroup;
 use crate::fast::row_reals::RowReals;
-use crate::fast::rows::{RowBatch, RuntimeRows};
+use crate::fast::rows::RowBatch;
 use crate::fast::tile::ROWS;
 use splatline::draw::Coverage;
-use splatline::format::Widths;
 use splatline::raster::Window;
 
 /// A tile to be painted, by whatever vectors. It knows a design only by its numbers, so that one compiled copy serves
 /// all.
 #[derive(Clone, Copy)]
 pub(super) struct Painting<'a> {
-    pub widths: Widths,
     pub numbers: &'a PathNumbers,
-    pub rows: &'a RuntimeRows,
     pub footprints: &'a Results,
     pub list: &'a [u32],
     pub start: Start,
@@ -116,9 +113,8 @@ impl<L: Lanes, P: PixelPath> Progress<'_, '_, L, P> {
                     self.group.read(k, footprint, &rows.intersect(&self.window));
                 }
             }
-            let together = self
-                .group
-                .compute(self.lanes, &self.painting.widths, self.corner[0]);
+            let widths = self.painting.numbers.rows.widths();
+            let together = self.group.compute(self.lanes, &widths, self.corner[0]);
             for (k, (index, _)) in indices.iter().enumerate() {
                 // A few at a time: many at once wait for each other.
                 for index in ahead.by_ref().take(each) {
@@ -164,16 +160,18 @@ impl<L: Lanes, P: PixelPath> Progress<'_, '_, L, P> {
         index: u32,
     ) -> Option<(SplatNumbers, u16, i64)> {
         let Painting {
-            rows, footprints, ..
+            numbers,
+            footprints,
+            ..
         } = self.painting;
         // A copy: whoever is called gets no reference into this structure.
         let (left, window) = (self.corner[0], self.window);
         let footprint = footprints[index as usize].as_ref().ok()?;
         let of_group = (together, &*self.group, k);
-        if let Some(splat) = self.painting.numbers.splat(footprint)
+        if let Some(splat) = numbers.splat(footprint)
             && self.path.fits(&splat)
             && let Some((first, second)) =
-                (self.batch).fill(rows, of_group, footprint, (&window, left))
+                (self.batch).fill(&numbers.rows, of_group, footprint, (&window, left))
         {
             return Some((splat, first, second));
         }

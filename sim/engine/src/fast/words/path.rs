@@ -135,7 +135,8 @@ impl<'a, L: Lanes, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
             half: word(half),
             odd: word(odd),
         };
-        let [alpha, transmittance] = [numbers.widths.alpha, numbers.widths.transmittance];
+        let widths = numbers.rows.widths();
+        let [alpha, transmittance] = [widths.alpha, widths.transmittance];
         let (rest, kept) = (numbers.rest_bits, numbers.kept);
         WordPixels {
             lanes,

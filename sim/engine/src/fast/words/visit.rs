@@ -9,7 +9,7 @@ use super::path::{PixelPath, SplatWords, WordPixels};
 use crate::fast::lanes::{Lanes, VectorLevel, VectorTask, dispatch_pixels};
 use crate::fast::painter::TableMemory;
 use crate::fast::row_group::RowGroup;
-use crate::fast::rows::{Pixels, RowBatch, RuntimeRows};
+use crate::fast::rows::{Pixels, RowBatch};
 use crate::fast::tile::TILE;
 use splatline::footprint::Footprint;
 use splatline::raster::Window;
@@ -24,7 +24,6 @@ pub type VisitAlone<'a> = dyn Fn(u32, &mut TakeOpacities) + 'a;
 /// Visits footprints' pixels along spans.
 #[derive(Clone, Debug)]
 pub struct OpacityVisitor {
-    rows: RuntimeRows,
     path: PathNumbers,
     choice: VectorLevel,
 }
@@ -33,7 +32,6 @@ impl OpacityVisitor {
     /// For a design with lanes of so many bits; `None` where only the kernel can.
     pub fn new(table: &TableMemory, lane_bits: u32, choice: VectorLevel) -> Option<Self> {
         Some(OpacityVisitor {
-            rows: RuntimeRows::new(&table.widths, lane_bits)?,
             path: PathNumbers::new(table, lane_bits)?,
             choice,
         })
@@ -77,7 +75,7 @@ impl VectorTask for VisitTask<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, lanes: L) {
-        let OpacityVisitor { rows, path, .. } = self.visitor;
+        let path = &self.visitor.path;
         let pixels = WordPixels::<L, EVEN>::new(lanes, path);
         let (mut group, mut batch) = (RowGroup::default(), RowBatch::new());
         let mut memory = [0; ROOM];
@@ -86,13 +84,13 @@ impl VectorTask for VisitTask<'_> {
             for (k, index) in indices.iter().enumerate() {
                 group.read(k, &self.footprints[*index as usize], &self.window);
             }
-            let together = group.compute(lanes, &rows.widths(), left);
+            let together = group.compute(lanes, &path.rows.widths(), left);
             for (k, index) in indices.iter().enumerate() {
                 let footprint = &self.footprints[*index as usize];
                 let of_group = (&together, &group, k);
                 if let Some(numbers) = path.splat(footprint)
                     && let Some((first, second)) =
-                        batch.fill(rows, of_group, footprint, (&self.window, left))
+                        batch.fill(&path.rows, of_group, footprint, (&self.window, left))
                 {
                     let splat = pixels.splat(&numbers, second);
                     for row in 0..batch.rows() {
