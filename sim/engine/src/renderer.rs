@@ -26,12 +26,11 @@ use crate::camera::Camera;
 use crate::design::DesignChoice;
 use crate::fast::TilePainter;
 use crate::fast::depth_first::{BoundingSpheres, DepthFirst, SphereProjection};
-use crate::fast::frame::{Cancelled, FrameFacts, FrameMemory, FramePlan, Progress};
+use crate::fast::frame::{Cancelled, FrameFacts, FrameMemory, Progress};
 use crate::fast::lanes::VectorLevel;
 use crate::fast::setup::Outcome;
-use crate::fixed::{
-    Options, PaintEngine, QuantisedScene, best_engine, converter, painter, set_up_part,
-};
+use crate::fixed::render::paint_with;
+use crate::fixed::{Options, PaintEngine, QuantisedScene, best_engine, converter, painter};
 use crate::picture::Picture;
 use crate::rules::{Compositing, Rules};
 use crate::scene::{self, LoadError, LoadOptions, Scene, SortOrder};
@@ -39,7 +38,6 @@ use crate::threads;
 use rayon::{ThreadPool, ThreadPoolBuildError};
 use splatline::blend::Pixel;
 use splatline::format::Traversal;
-use splatline::splat::VolumeSplat;
 use std::borrow::Borrow;
 use std::path::Path;
 use std::time::Instant;
@@ -192,13 +190,6 @@ impl<S: Borrow<Scene>> Renderer<S> {
         self.memory.into_outcomes()
     }
 
-    /// Bytes held for splats and frames, without the scene itself.
-    pub fn bytes(&self) -> usize {
-        let spheres = self.spheres.as_ref().map_or(0, BoundingSpheres::bytes);
-        let splats = self.quantised.splats.capacity() * size_of::<VolumeSplat>();
-        self.memory.bytes() + spheres + splats
-    }
-
     /// Draws a frame of the kernel's pixels, row by row.
     pub fn draw(&mut self, frame: &mut [Pixel], progress: &Progress) -> Result<Drawn, DrawError> {
         self.draw_as(frame, progress, |pixel| *pixel)
@@ -253,9 +244,18 @@ impl<S: Borrow<Scene>> Renderer<S> {
             pool,
             ..
         } = self;
-        let painter = (&**painter, spheres.as_ref());
+        let (options, engine) = (settings.options(), settings.engine);
+        let depth_first = spheres.as_ref().and_then(|spheres| {
+            let widths = &settings.design.widths;
+            Some(DepthFirst {
+                spheres,
+                projection: SphereProjection::new(&quantised.view, widths, spheres)?,
+                vectors: engine.vectors().unwrap_or(VectorLevel::Portable),
+            })
+        });
+        let painter = (&**painter, depth_first);
         let work = || {
-            let facts = draw_frame(settings, quantised, painter, memory, progress)?;
+            let facts = paint_with(quantised, &options, engine, painter, memory, progress)?;
             let started = Instant::now();
             memory.copy(frame, convert);
             let convert = started.elapsed().as_secs_f64();
@@ -266,35 +266,4 @@ impl<S: Borrow<Scene>> Renderer<S> {
             None => work(),
         }
     }
-}
-
-/// A frame in the renderer's memory. It does not know how the scene is held, and is therefore compiled here and not
-/// again by whoever draws.
-fn draw_frame(
-    settings: &Settings,
-    quantised: &QuantisedScene,
-    (painter, spheres): (&dyn TilePainter, Option<&BoundingSpheres>),
-    memory: &mut FrameMemory,
-    progress: &Progress,
-) -> Result<FrameFacts, Cancelled> {
-    let depth_first = spheres.and_then(|spheres| {
-        let projection = SphereProjection::new(&quantised.view, &settings.design.widths, spheres)?;
-        Some(DepthFirst {
-            spheres,
-            projection,
-            vectors: settings.engine.vectors().unwrap_or(VectorLevel::Portable),
-        })
-    });
-    let (design, engine) = (settings.design.in_fields(), settings.engine);
-    let plan = FramePlan {
-        viewport: quantised.view.viewport,
-        back_to_front: settings.compositing == Compositing::BackToFront,
-        depth_first,
-        set_up: &|_, splats, outcomes| {
-            set_up_part(design, quantised, engine, (splats, outcomes));
-        },
-        painter,
-        progress,
-    };
-    memory.draw(&quantised.splats, &plan)
 }

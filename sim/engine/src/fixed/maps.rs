@@ -9,7 +9,7 @@
 use super::deep::sort_by_depth;
 use super::frame::{TileLists, paint_apart};
 use super::quantise::QuantisedScene;
-use super::render::{Options, best_engine, set_up};
+use super::render::{Options, best_engine, numbered, set_up};
 use crate::camera::Camera;
 use crate::fast::TableMemory;
 use crate::scene::Scene;
@@ -31,10 +31,7 @@ pub fn draw_maps(scene: &Scene, camera: &Camera, options: &Options) -> Vec<MapPi
     let places: Vec<(f64, Vector)> = places
         .map(|splat| depth_and_normal(splat, camera))
         .collect();
-    let outcomes = set_up(design, &quantised, best_engine()).into_iter();
-    let numbered = outcomes.enumerate();
-    let seen = numbered.filter_map(|(index, outcome)| Some((index, outcome.ok()?)));
-    let mut seen: Vec<(usize, Footprint)> = seen.collect();
+    let mut seen = numbered(set_up(design, &quantised, best_engine()));
     sort_by_depth(&mut seen);
     let (indices, footprints): (Vec<usize>, Vec<Footprint>) = seen.into_iter().unzip();
     let table = TableMemory::new(&widths, rules);

@@ -10,7 +10,7 @@ mod harmonics;
 mod hybrid;
 mod maps;
 mod quantise;
-mod render;
+pub(crate) mod render;
 pub mod sheets;
 mod sphere;
 pub mod surface;

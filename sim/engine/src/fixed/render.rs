@@ -5,8 +5,9 @@ use super::quantise::{QuantisedScene, kernel_compositing};
 use crate::camera::Camera;
 use crate::design::DesignChoice;
 pub(super) use crate::fast::CHECK_INTERVAL;
+use crate::fast::depth_first::DepthFirst;
 pub use crate::fast::frame::Times;
-use crate::fast::frame::{FrameFacts, FrameMemory, FramePlan};
+use crate::fast::frame::{Cancelled, FrameFacts, FrameMemory, FramePlan, Progress};
 use crate::fast::lanes::{VectorLevel, has_vectors};
 use crate::fast::setup::{self as fast, Outcome};
 use crate::fast::{PaintScratch, TilePainter, TileWork, tile_painter};
@@ -200,21 +201,17 @@ pub(super) fn seen(
     quantised: &QuantisedScene,
     engine: PaintEngine,
 ) -> Vec<(usize, Footprint)> {
-    let QuantisedScene {
-        view,
-        rules,
-        splats,
-        ..
-    } = quantised;
-    let batch = |(number, splats): (usize, &[VolumeSplat])| {
-        let first = number * BATCH;
-        let mut outcomes = vec![Err(Cull::Near); splats.len()];
-        fast::set_up(design, view, rules, splats, &mut outcomes, engine.vectors());
-        let numbered = outcomes.into_iter().enumerate();
-        numbered.filter_map(move |(index, outcome)| Some((first + index, outcome.ok()?)))
-    };
-    let batches = splats.par_chunks(BATCH).enumerate();
-    batches.flat_map_iter(batch).collect()
+    let QuantisedScene { view, rules, .. } = quantised;
+    numbered(in_batches(&quantised.splats, |splats, outcomes| {
+        fast::set_up(design, view, rules, splats, outcomes, engine.vectors());
+    }))
+}
+
+/// Those that have a footprint, with their numbers.
+pub(super) fn numbered(outcomes: Vec<Outcome>) -> Vec<(usize, Footprint)> {
+    let numbered = outcomes.into_iter().enumerate();
+    let seen = numbered.filter_map(|(index, outcome)| Some((index, outcome.ok()?)));
+    seen.collect()
 }
 
 /// Splats set up by one task.
@@ -226,14 +223,19 @@ pub fn set_up(
     quantised: &QuantisedScene,
     engine: PaintEngine,
 ) -> Vec<Outcome> {
-    let splats = &quantised.splats;
+    in_batches(&quantised.splats, |splats, outcomes| {
+        set_up_part(design, quantised, engine, (splats, outcomes));
+    })
+}
+
+fn in_batches(
+    splats: &[VolumeSplat],
+    set_up: impl Fn(&[VolumeSplat], &mut [Outcome]) + Sync,
+) -> Vec<Outcome> {
     let mut outcomes: Vec<_> = splats.par_iter().map(|_| Err(Cull::Near)).collect();
     let places = outcomes.par_chunks_mut(BATCH);
-    places
-        .zip(splats.par_chunks(BATCH))
-        .for_each(|(outcomes, splats)| {
-            set_up_part(design, quantised, engine, (splats, outcomes));
-        });
+    let batches = places.zip(splats.par_chunks(BATCH));
+    batches.for_each(|(outcomes, splats)| set_up(splats, outcomes));
     outcomes
 }
 
@@ -261,31 +263,46 @@ pub fn draw_quantised(
 ) -> (FixedDrawing, Vec<Result<Footprint, Cull>>) {
     let mut memory = FrameMemory::default();
     let painter = painter(&quantised.rules, options, engine, true);
-    let facts = paint_with(quantised, options, engine, &*painter, &mut memory);
+    let facts = paint_whole(quantised, options, engine, &*painter, &mut memory);
     let (pixels, widths) = (memory.pixels(), &options.design.widths);
     let drawing = FixedDrawing::new(quantised, widths, pixels, facts);
     (drawing, memory.into_outcomes())
 }
 
-fn paint_with(
+/// A frame in memory, by whatever paints its tiles. It does not know how the scene is held, and is therefore compiled
+/// here and not again by whoever draws.
+pub(crate) fn paint_with(
+    quantised: &QuantisedScene,
+    options: &Options,
+    engine: PaintEngine,
+    (painter, depth_first): (&dyn TilePainter, Option<DepthFirst>),
+    memory: &mut FrameMemory,
+    progress: &Progress,
+) -> Result<FrameFacts, Cancelled> {
+    let design = options.design.in_fields();
+    let plan = FramePlan {
+        viewport: quantised.view.viewport,
+        back_to_front: options.compositing == Compositing::BackToFront,
+        depth_first,
+        set_up: &|_, splats, outcomes| {
+            set_up_part(design, quantised, engine, (splats, outcomes));
+        },
+        painter,
+        progress,
+    };
+    memory.draw(&quantised.splats, &plan)
+}
+
+/// The same where no splat is left out and nobody cancels.
+fn paint_whole(
     quantised: &QuantisedScene,
     options: &Options,
     engine: PaintEngine,
     painter: &dyn TilePainter,
     memory: &mut FrameMemory,
 ) -> FrameFacts {
-    let design = options.design.in_fields();
-    let plan = FramePlan {
-        viewport: quantised.view.viewport,
-        back_to_front: options.compositing == Compositing::BackToFront,
-        depth_first: None,
-        set_up: &|_, splats, outcomes| {
-            set_up_part(design, quantised, engine, (splats, outcomes));
-        },
-        painter,
-        progress: &|_, _| true,
-    };
-    let Ok(facts) = memory.draw(&quantised.splats, &plan) else {
+    let painter = (painter, None);
+    let Ok(facts) = paint_with(quantised, options, engine, painter, memory, &|_, _| true) else {
         unreachable!("nobody cancels")
     };
     facts
@@ -315,7 +332,7 @@ impl Canvas {
         let engine = best_engine();
         let inner = painter(&quantised.rules, options, engine, false);
         let chosen = ChosenTiles { inner, only };
-        paint_with(quantised, options, engine, &chosen, &mut self.memory);
+        paint_whole(quantised, options, engine, &chosen, &mut self.memory);
         let convert = converter(&options.design.widths, quantised.colour_log2);
         self.memory.copy(&mut self.picture.pixels, convert);
     }
