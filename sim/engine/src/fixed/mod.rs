@@ -23,6 +23,6 @@ pub use maps::draw_maps;
 pub use quantise::{QuantisedScene, kernel_compositing, kernel_rules, scaled};
 pub use render::{
     Canvas, FixedDrawing, Options, PaintEngine, Times, best_engine, conics, culls, draw,
-    draw_quantised, draw_with_footprints, footprints, painter, set_up_part, variances,
+    draw_quantised, draw_with_footprints, footprints, painter, variances,
 };
 pub use sphere::draw_spheres;

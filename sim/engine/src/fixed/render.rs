@@ -178,11 +178,12 @@ fn kernel_variances(
 }
 
 /// Setup of some of the scene's splats into as many places, with the keys that the scene is sorted by.
-pub fn set_up_part(
+fn set_up_part(
     design: RuntimeWidths,
     quantised: &QuantisedScene,
     engine: PaintEngine,
-    (splats, outcomes): (&[VolumeSplat], &mut [Outcome]),
+    splats: &[VolumeSplat],
+    outcomes: &mut [Outcome],
 ) {
     fast::set_up(
         design,
@@ -224,7 +225,7 @@ pub fn set_up(
     engine: PaintEngine,
 ) -> Vec<Outcome> {
     in_batches(&quantised.splats, |splats, outcomes| {
-        set_up_part(design, quantised, engine, (splats, outcomes));
+        set_up_part(design, quantised, engine, splats, outcomes);
     })
 }
 
@@ -285,7 +286,7 @@ pub(crate) fn paint_with(
         back_to_front: options.compositing == Compositing::BackToFront,
         depth_first,
         set_up: &|_, splats, outcomes| {
-            set_up_part(design, quantised, engine, (splats, outcomes));
+            set_up_part(design, quantised, engine, splats, outcomes);
         },
         painter,
         progress,
