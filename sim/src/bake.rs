@@ -12,7 +12,6 @@ use crate::rules::Rules;
 use crate::scene::{Bounds, Scene, Splat, Weight};
 use crate::vector::{Vector, dot};
 use anyhow::{Context, Result, ensure};
-use splatline::draw::Painter;
 use splatline::fixed::types as fixed_types;
 use splatline::format::{Standard24, Traversal};
 use splatline::front::{COMPACT_MAGIC, CompactScene, CompactSplat, Splats};
@@ -34,11 +33,9 @@ pub struct BakedScene {
 pub fn contributions(scene: &Scene, cameras: &[Camera], rules: &Rules) -> Vec<f64> {
     let mut sums = vec![0.0; scene.splats.len()];
     let widths = Standard24::WIDTHS;
-    let kernel_rules = fixed::kernel_rules(rules);
-    let memory = fixed::table_entries(&widths, &kernel_rules);
-    let table = fixed::table(&memory, &widths, &kernel_rules);
+    let table = fixed::TableMemory::new(&widths, &fixed::kernel_rules(rules));
     let order = splatline::Compositing::FrontToBack;
-    let painter = Painter::new(Standard24, &kernel_rules, table, order, Traversal::Spans);
+    let painter = table.painter(Standard24, order, Traversal::Spans);
     let one = f64::from(1u32 << widths.alpha);
     for camera in cameras {
         let design = standard();

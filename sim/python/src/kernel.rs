@@ -10,16 +10,16 @@ use numpy::{
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use splatline::blend::{Blend, Pixel};
-use splatline::draw::{Painter, cutoff_in_lane};
+use splatline::draw::cutoff_in_lane;
 use splatline::footprint::Footprint;
 use splatline::footprint::packet::{Field, Layout, Packet, WORDS};
 use splatline::format::{Design as _, Lane, RuntimeWidths, Traversal, Widths};
 use splatline::math::shift_signed;
 use splatline::raster::{BoxSpans, EllipseSpans, Span, Spans, Window};
-use splatline::rules::{Compositing, Rules};
+use splatline::rules::Compositing;
 use splatline::setup::setup;
 use splatline::target::Target;
-use splatline_sim::fixed::{self, QuantisedScene, kernel_compositing};
+use splatline_sim::fixed::{QuantisedScene, TableMemory, kernel_compositing};
 use splatline_sim::plan::draw::cull_name;
 use splatline_sim::vectors::{self, VectorSubject};
 
@@ -29,10 +29,9 @@ use splatline_sim::vectors::{self, VectorSubject};
 pub struct Kernel {
     design: RuntimeWidths,
     traversal: Traversal,
-    rules: Rules,
     compositing: Compositing,
     scene: QuantisedScene,
-    table: Vec<u32>,
+    table: TableMemory,
     vectors: VectorSubject,
 }
 
@@ -117,9 +116,8 @@ impl Kernel {
             let design = RuntimeWidths::new(widths)
                 .ok()
                 .context("a design's widths are in range")?;
-            let rules = scene.rules;
             Ok(Kernel {
-                table: fixed::table_entries(&widths, &rules),
+                table: TableMemory::new(&widths, &scene.rules),
                 vectors: VectorSubject {
                     design: entry.design.clone(),
                     rules: *splats.rules,
@@ -130,7 +128,6 @@ impl Kernel {
                 },
                 design,
                 traversal: entry.traversal,
-                rules,
                 compositing: kernel_compositing(splats.compositing),
                 scene,
             })
@@ -160,13 +157,13 @@ impl Kernel {
 
     /// What a circuit is told of the rules of blending, at the design's widths.
     fn rules<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let constants = Blend::new(&self.widths(), &self.rules).constants();
+        let constants = Blend::new(&self.widths(), &self.table.rules).constants();
         let rules = PyDict::new(py);
         rules.set_item("alpha_max", constants.alpha_max)?;
         rules.set_item("least", constants.opacity_min)?;
         rules.set_item("minimum_transmittance", constants.minimum_transmittance)?;
         rules.set_item("omit_finishing", constants.omit_finishing)?;
-        rules.set_item("wide_table", self.rules.table_range == 4)?;
+        rules.set_item("wide_table", self.table.rules.table_range == 4)?;
         Ok(rules)
     }
 
@@ -194,7 +191,12 @@ impl Kernel {
             let splat = splats.get(*index).with_context(missing);
             let (mut packet, mut key) = ([0; WORDS], 0);
             reasons.push(
-                match setup(self.design, &self.scene.view, &self.rules, raise(splat)?) {
+                match setup(
+                    self.design,
+                    &self.scene.view,
+                    &self.table.rules,
+                    raise(splat)?,
+                ) {
                     Ok(footprint) => {
                         packet = layout.encode(&footprint);
                         key = footprint.depth as i64;
@@ -257,7 +259,7 @@ impl Kernel {
     /// Entries of the footprint table, UQ1.weight, uint32.
     #[getter]
     fn table<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
-        PyArray1::from_slice(py, &self.table)
+        PyArray1::from_slice(py, &self.table.entries)
     }
 
     /// The kernel at these radial indices (UQ4.radial, int64), UQ1.weight.
@@ -266,8 +268,7 @@ impl Kernel {
         py: Python<'py>,
         radial: PyReadonlyArray1<'py, i64>,
     ) -> Bound<'py, PyArray1<u32>> {
-        let widths = self.widths();
-        let table = fixed::table(&self.table, &widths, &self.rules);
+        let table = self.table.table();
         let weight = |radial: &i64| table.weight((*radial).max(0) as u64);
         PyArray1::from_vec(py, radial.as_array().iter().map(weight).collect())
     }
@@ -279,7 +280,7 @@ impl Kernel {
         peak: u32,
         weights: PyReadonlyArray1<'py, u32>,
     ) -> Bound<'py, PyArray1<u32>> {
-        let blend = Blend::new(&self.widths(), &self.rules);
+        let blend = Blend::new(&self.widths(), &self.table.rules);
         let opacity = |weight: &u32| blend.opacity(peak, *weight);
         PyArray1::from_vec(py, weights.as_array().iter().map(opacity).collect())
     }
@@ -301,7 +302,7 @@ impl Kernel {
                 pixels.shape()
             )));
         }
-        let blend = Blend::new(&self.widths(), &self.rules);
+        let blend = Blend::new(&self.widths(), &self.table.rules);
         let words = pixels.as_array().iter().copied().collect::<Vec<u32>>();
         let mut mixed = words.as_chunks::<4>().0.to_vec();
         for (pixel, alpha) in mixed.iter_mut().zip(opacities.as_array()) {
@@ -344,9 +345,8 @@ impl Kernel {
             footprints.push(raise(self.packet(&words.to_vec()))?);
         }
         let drawn = py.detach(|| -> Result<()> {
-            let table = fixed::table(&self.table, &widths, &self.rules);
             let (order, traversal) = (self.compositing, self.traversal);
-            let painter = Painter::new(self.design, &self.rules, table, order, traversal);
+            let painter = self.table.painter(self.design, order, traversal);
             let mut target = Target::new(&mut pixels, window, window.columns().into())
                 .map_err(|wrong| anyhow::anyhow!("{wrong}"))?;
             for footprint in &footprints {

@@ -2,7 +2,7 @@
 
 use super::record::{Words, reason, record};
 use super::{VectorStage, VectorSubject, functions, systems};
-use crate::fixed::{self, kernel_compositing, kernel_rules};
+use crate::fixed::{TableMemory, kernel_compositing, kernel_rules};
 use crate::rules::Compositing as Order;
 use splatline::blend::{Blend, Pixel};
 use splatline::draw::cutoff_in_lane;
@@ -193,9 +193,8 @@ fn pixel_fields(widths: &Widths) -> String {
 /// The footprint table, runs, pixels and the picture.
 struct RasterStages<D> {
     design: D,
-    rules: Rules,
     compositing: Compositing,
-    table: Vec<u32>,
+    table: TableMemory,
     window: Window,
     picture: Vec<Pixel>,
     runs: VectorStage,
@@ -216,8 +215,7 @@ impl<D: Design> RasterStages<D> {
         RasterStages {
             design,
             compositing: kernel_compositing(subject.compositing),
-            table: fixed::table_entries(&widths, &rules),
-            rules,
+            table: TableMemory::new(&widths, &rules),
             window,
             picture: vec![Pixel::clear(&widths); window.pixels()],
             runs: VectorStage::new(
@@ -245,10 +243,7 @@ impl<D: Design> RasterStages<D> {
     /// A footprint's rows, with the pixels that it covers composited one by one.
     fn record(&mut self, number: usize, footprint: &Footprint, mut rows: impl Spans) {
         let widths = self.design.widths();
-        let (table, blend) = (
-            fixed::table(&self.table, &widths, &self.rules),
-            Blend::new(&widths, &self.rules),
-        );
+        let (table, blend) = (self.table.table(), Blend::new(&widths, &self.table.rules));
         let drop = rows.fraction() as i32 - i32::from(widths.radial);
         let end = cutoff_in_lane(footprint.cutoff, widths.radial);
         let (columns, colour) = (usize::from(self.window.end[0]), &footprint.colour);
@@ -280,7 +275,7 @@ impl<D: Design> RasterStages<D> {
         let widths = self.design.widths();
         let entry = format!("entry:{}.{}", widths.weight + 1, widths.weight);
         let about = "entries of the footprint table";
-        let table = VectorStage::of("table", about, &entry, &self.table);
+        let table = VectorStage::of("table", about, &entry, &self.table.entries);
         let about = "the finished picture, row by row";
         let tile = VectorStage::of("tile", about, &pixel_fields(&widths), &self.picture);
         [table, self.runs, self.pixels, tile]

@@ -3,13 +3,12 @@
 
 use super::shell::holds;
 use splatline::blend::Pixel;
-use splatline::draw::Painter;
 use splatline::format::{Classic8, Deep32, Design, Lean18, Micro16, Standard24, Traversal};
 use splatline::raster::Window;
 use splatline::setup::setup;
 use splatline::target::Target;
 use splatline_sim::design::DesignChoice;
-use splatline_sim::fixed::{kernel_compositing, kernel_rules, table, table_entries};
+use splatline_sim::fixed::{TableMemory, kernel_compositing, kernel_rules};
 use splatline_sim::rules::{Compositing, Rules};
 use splatline_sim::vectors::{VectorSubject, compute, export, hard_cases, verify};
 use std::fs;
@@ -34,10 +33,9 @@ fn small() -> VectorSubject {
 /// The picture by the painter, whole footprints at a time, by a type of constant widths.
 fn painted<D: Design>(design: D, subject: &VectorSubject) -> Vec<[i64; 5]> {
     let (widths, rules) = (design.widths(), kernel_rules(&subject.rules));
-    let memory = table_entries(&widths, &rules);
-    let table = table(&memory, &widths, &rules);
+    let table = TableMemory::new(&widths, &rules);
     let compositing = kernel_compositing(subject.compositing);
-    let painter = Painter::new(design, &rules, table, compositing, subject.design.traversal);
+    let painter = table.painter(design, compositing, subject.design.traversal);
     let view = &subject.view;
     let mut footprints: Vec<_> = subject
         .splats

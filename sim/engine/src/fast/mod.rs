@@ -23,8 +23,8 @@ pub mod tile;
 mod words;
 
 pub use painter::{
-    CHECK_INTERVAL, PaintScratch, Results, Start, TableMemory, TilePainter, TileWork, table,
-    table_entries, tile_painter,
+    CHECK_INTERVAL, PaintScratch, Results, Start, TableMemory, TilePainter, TileWork, tile_painter,
+    whole,
 };
 pub use tile::TILE;
 pub use words::visit::{OpacityVisitor, TakeOpacities};

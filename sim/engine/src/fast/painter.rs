@@ -16,25 +16,11 @@ use splatline::target::Target;
 /// Footprints painted between two checks whether the tile has finished.
 pub const CHECK_INTERVAL: usize = 64;
 
-/// The footprint table's entries for the rules' kernel.
-pub fn table_entries(widths: &Widths, rules: &Rules) -> Vec<u32> {
-    let mut memory = vec![0; entries(widths)];
-    fill(&mut memory, widths, rules.table_range, rules.kernel);
-    memory
-}
-
-/// The table over [`table_entries`].
-pub fn table<'a>(memory: &'a [u32], widths: &Widths, rules: &Rules) -> FootprintTable<'a> {
-    match FootprintTable::new(memory, widths, rules.table_range) {
-        Ok(table) => table,
-        Err(_) => unreachable!("the entries have been made for these widths"),
-    }
-}
-
 /// A footprint table with the memory that it lies in: painters outlive the picture that they were made for.
 #[derive(Clone, Debug)]
 pub struct TableMemory {
-    entries: Vec<u32>,
+    /// Its entries.
+    pub entries: Vec<u32>,
     /// Of the design whose table it is.
     pub widths: Widths,
     /// Whose kernel it is.
@@ -44,8 +30,10 @@ pub struct TableMemory {
 impl TableMemory {
     /// The table of the rules' kernel.
     pub fn new(widths: &Widths, rules: &Rules) -> Self {
+        let mut memory = vec![0; entries(widths)];
+        fill(&mut memory, widths, rules.table_range, rules.kernel);
         TableMemory {
-            entries: table_entries(widths, rules),
+            entries: memory,
             widths: *widths,
             rules: *rules,
         }
@@ -53,7 +41,28 @@ impl TableMemory {
 
     /// The table.
     pub fn table(&self) -> FootprintTable<'_> {
-        table(&self.entries, &self.widths, &self.rules)
+        match FootprintTable::new(&self.entries, &self.widths, self.rules.table_range) {
+            Ok(table) => table,
+            Err(_) => unreachable!("the entries have been made for these widths"),
+        }
+    }
+
+    /// The kernel's painter by this table and under its rules, of lists in this order.
+    pub fn painter<D: Design>(
+        &self,
+        design: D,
+        order: Compositing,
+        traversal: Traversal,
+    ) -> Painter<'_, D> {
+        Painter::new(design, &self.rules, self.table(), order, traversal)
+    }
+}
+
+/// A tile's pixels, row by row, to be painted.
+pub fn whole(pixels: &mut [Pixel], window: Window) -> Target<'_> {
+    match Target::new(pixels, window, window.columns().into()) {
+        Ok(target) => target,
+        Err(_) => unreachable!("the tile's memory has been made for its window"),
     }
 }
 
@@ -143,16 +152,14 @@ impl<D: Design> ScalarPainter<D> {
         window: Window,
         pixels: &mut [Pixel],
     ) -> Coverage {
-        let target = Target::new(pixels, window, window.columns().into());
-        match (footprint, target) {
-            (Ok(footprint), Ok(mut target)) => self.painter().draw(footprint, &mut target),
-            _ => Coverage::default(),
+        match footprint {
+            Ok(footprint) => self.painter().draw(footprint, &mut whole(pixels, window)),
+            Err(_) => Coverage::default(),
         }
     }
 
     fn painter(&self) -> Painter<'_, D> {
-        let (rules, table) = (&self.table.rules, self.table.table());
-        Painter::new(self.design, rules, table, self.order, self.traversal)
+        (self.table).painter(self.design, self.order, self.traversal)
     }
 }
 
@@ -162,10 +169,7 @@ impl<D: Design + Send + Sync> TilePainter for ScalarPainter<D> {
             work.pixels.fill(Pixel::clear(&self.design.widths()));
         }
         let (painter, mut coverage) = (self.painter(), Coverage::default());
-        let columns = work.window.columns().into();
-        let Ok(mut target) = Target::new(work.pixels, work.window, columns) else {
-            return coverage;
-        };
+        let mut target = whole(work.pixels, work.window);
         for part in work.list.chunks(CHECK_INTERVAL) {
             for footprint in part
                 .iter()

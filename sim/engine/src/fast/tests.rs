@@ -6,12 +6,12 @@ use super::lanes::VectorLevel;
 use super::painter::{PaintScratch, TilePainter};
 use super::words::WordPainter;
 use crate::fast::{Start, TileWork, tile_painter};
-use crate::fixed::{QuantisedScene, kernel_rules, table, table_entries};
+use crate::fixed::{QuantisedScene, TableMemory, kernel_rules, whole};
 use crate::rules;
 use crate::scene::synthetic;
 use proptest::prelude::*;
 use splatline::blend::Pixel;
-use splatline::draw::{Coverage, Painter};
+use splatline::draw::Coverage;
 use splatline::footprint::{Conic, Footprint, Ldl};
 use splatline::format::{
     Classic8, Lean18, Rounding, RuntimeWidths, Standard24, Traversal, WIDTH_RANGES, Widths,
@@ -20,7 +20,6 @@ use splatline::math::SoftFloat;
 use splatline::raster::Window;
 use splatline::rules::{Compositing, Rules};
 use splatline::setup::{Cull, setup};
-use splatline::target::Target;
 
 /// Any widths in lanes of 32 bits.
 pub(super) type AnyWidths = RuntimeWidths<i32>;
@@ -230,12 +229,11 @@ fn agree(
     orders: &[Compositing],
 ) -> bool {
     let (design, traversal) = (any_widths(widths), Traversal::Spans);
-    let (memory, window) = (table_entries(&widths, rules), window(tile));
+    let (table, window) = (TableMemory::new(&widths, rules), window(tile));
     for order in orders.iter().copied() {
         let mut pixels = vec![Pixel::clear(&widths); window.pixels()];
-        let mut target = Target::new(&mut pixels, window, window.columns().into()).unwrap();
-        let table = table(&memory, &widths, rules);
-        let scalar = Painter::new(design, rules, table, order, traversal);
+        let mut target = whole(&mut pixels, window);
+        let scalar = table.painter(design, order, traversal);
         let mut expected = Coverage::default();
         for footprint in footprints.iter().flatten() {
             expected += scalar.draw(footprint, &mut target);

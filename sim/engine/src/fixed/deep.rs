@@ -13,7 +13,6 @@ use crate::rules::Compositing;
 use crate::scene::Scene;
 use rayon::prelude::*;
 use splatline::blend::deep::{Channel, DeepPixel};
-use splatline::draw::Painter;
 use splatline::footprint::Footprint;
 use splatline::format::Traversal;
 use splatline::raster::Window;
@@ -47,7 +46,7 @@ pub fn draw(
         _ => None,
     };
     let order = KernelCompositing::FrontToBack;
-    let painter = Painter::new(design, rules, table.table(), order, options.traversal);
+    let painter = table.painter(design, order, options.traversal);
     let paint = |window: Window, list: &[u32], pixels: &mut [DeepPixel]| {
         let columns = usize::from(window.columns());
         let mut take = |layer: u32, [x, y]: [u16; 2], opacities: &[i64]| {

@@ -5,7 +5,7 @@ use super::render::{CHECK_INTERVAL, Options, PaintEngine, painter};
 use crate::camera::Camera;
 use crate::fast::frame::{FrameFacts, FrameMemory, FramePlan};
 use crate::fast::setup::{self as fast, Outcome};
-use crate::fast::{PaintScratch, Start, TableMemory, TilePainter, TileWork};
+use crate::fast::{PaintScratch, Start, TableMemory, TilePainter, TileWork, whole};
 use crate::fixed::frame::converter;
 use crate::hybrid::{Hybrid, Points, deviation};
 use crate::picture::Picture;
@@ -20,7 +20,6 @@ use splatline::kernel::FootprintTable;
 use splatline::raster::{Stamp, StampShape, Window, fill_stamps};
 use splatline::setup::{PointFilter, is_minified, setup_point};
 use splatline::splat::VolumeSplat;
-use splatline::target::Target;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
@@ -113,23 +112,17 @@ impl<'a> HybridRenderer<'a> {
             painter,
             memory,
         } = self;
-        let (quantised, table) = (&setup.quantised, table.table());
+        let (quantised, table) = (&setup.quantised, &*table);
         let started = Instant::now();
         let stamps = match hybrid.phase_bits {
-            Some(bits) => setup.stamps(&table, bits)?,
+            Some(bits) => setup.stamps(&table.table(), bits)?,
             None => None,
         };
         let stamped_at = started.elapsed().as_secs_f64();
         let shape = stamps.as_ref().map(|(_, shape)| shape);
         let order = kernel_compositing(options.compositing);
         let among_points = PointTiles {
-            painter: Painter::new(
-                setup.design,
-                &quantised.rules,
-                table,
-                order,
-                Traversal::Spans,
-            ),
+            painter: table.painter(setup.design, order, Traversal::Spans),
             gathering: PointSettings {
                 range: depth_range(hybrid, quantised),
                 stamp: (stamps.as_ref()).and_then(|(words, shape)| Stamp::new(words, *shape)),
@@ -290,9 +283,7 @@ impl TilePainter for PointTiles<'_> {
             work.pixels.fill(self.clear);
         }
         let window = work.window;
-        let Ok(mut target) = Target::new(work.pixels, window, window.columns().into()) else {
-            unreachable!("the tile's memory has just been made for its window")
-        };
+        let mut target = whole(work.pixels, window);
         // Points are gathered, splats composited behind what was gathered before them; elsewhere both are composited
         // one by one, points by the stamp if there is one.
         let mut memory = Vec::new();

@@ -1,7 +1,7 @@
 //! Maps of the kernel's own picture: what its words say a pixel is made of, for those who look for a splat in a
 //! co-simulation.
 //!
-//! Opacities are those that [`Painter::visit`] hands out, and transmittance is the kernel's word, so alpha is the
+//! Opacities are those that [`Painter::visit`](splatline::draw::Painter::visit) hands out, and transmittance is the kernel's word, so alpha is the
 //! picture's, bit for bit. A machine needs beside a pixel's word of [`Pixel`] two counters, two numbers of splats and
 //! the largest contribution so far (a word of transmittance and a comparison), and for depths a multiplication and an
 //! addition; depths and normals themselves come from the host.
@@ -16,7 +16,6 @@ use crate::scene::Scene;
 use crate::vector::Vector;
 use rayon::prelude::*;
 use splatline::blend::{Blend, Pixel};
-use splatline::draw::Painter;
 use splatline::footprint::Footprint;
 use splatline::raster::{EllipseSpans, Spans, Window};
 use splatline::rules::Compositing;
@@ -36,7 +35,7 @@ pub fn draw_maps(scene: &Scene, camera: &Camera, options: &Options) -> Vec<MapPi
     let (indices, footprints): (Vec<usize>, Vec<Footprint>) = seen.into_iter().unzip();
     let table = TableMemory::new(&widths, rules);
     let order = Compositing::FrontToBack;
-    let painter = Painter::new(design, rules, table.table(), order, options.traversal);
+    let painter = table.painter(design, order, options.traversal);
     let blend = Blend::new(&widths, rules);
     let unit = (-f64::from(widths.transmittance)).exp2();
     let paint = |window: Window, list: &[u32], pixels: &mut [(Pixel, MapPixel)]| {

@@ -15,7 +15,7 @@ pub mod sheets;
 mod sphere;
 pub mod surface;
 
-pub use crate::fast::{table, table_entries};
+pub use crate::fast::{TableMemory, whole};
 pub use frame::converter;
 pub use harmonics::harmonic_colours;
 pub use hybrid::{HybridFacts, HybridRenderer};

@@ -6,7 +6,7 @@ use super::quantise::QuantisedScene;
 use super::render::{Options, PaintEngine, painter, seen};
 use crate::camera::Camera;
 use crate::fast::setup::Outcome;
-use crate::fast::{PaintScratch, Start, TilePainter, TileWork};
+use crate::fast::{PaintScratch, Start, TilePainter, TileWork, whole};
 use crate::picture::Picture;
 use crate::rules::Compositing;
 use crate::scene::Scene;
@@ -19,7 +19,6 @@ use splatline::footprint::{Footprint, depth};
 use splatline::format::Widths;
 use splatline::raster::{BLOCK, Window};
 use splatline::splat::VolumeSplat;
-use splatline::target::Target;
 
 /// Draws `scene` sheet by sheet, nearest first.
 pub fn draw(
@@ -74,9 +73,7 @@ struct Sheets<'a> {
 impl Sheets<'_> {
     fn paint_tile(&self, window: Window, list: &[u32], pixels: &mut [Pixel]) {
         let (mut scratch, mut memory) = (PaintScratch::default(), pixels.to_vec());
-        let Ok(mut target) = Target::new(pixels, window, columns(&window)) else {
-            unreachable!("the tile's memory has just been made for its window")
-        };
+        let mut target = whole(pixels, window);
         let slab = |index: &u32| self.slabs[*index as usize];
         for of_slab in list.chunk_by(|a, b| slab(a) == slab(b)) {
             let touched = self.touched(of_slab, &window);

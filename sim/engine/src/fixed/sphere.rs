@@ -4,19 +4,18 @@ use super::frame::{TileLists, paint_apart};
 use super::quantise::{QuantisedScene, kernel_compositing, scaled};
 use super::render::{FixedDrawing, Options, culls};
 use crate::camera::Camera;
-use crate::fast::TableMemory;
 use crate::fast::frame::FrameFacts;
+use crate::fast::{TableMemory, whole};
 use crate::rules::Compositing;
 use crate::scene::{Scene, Splat};
 use crate::vector;
 use rayon::prelude::*;
 use splatline::blend::Pixel;
-use splatline::draw::{Coverage, Painter, Perspective};
+use splatline::draw::{Coverage, Perspective};
 use splatline::format::Traversal;
 use splatline::kernel::{PERSPECTIVE_ENTRIES, PerspectiveTable, Rays, fill_perspective};
 use splatline::setup::{Ellipse, Index, SphereFootprint, setup_sphere};
 use splatline::splat::{SphereSplat, VolumeSplat};
-use splatline::target::Target;
 
 /// Draws a scene whose splats are taken as spheres of their first axis' length.
 pub fn draw_spheres(
@@ -54,17 +53,10 @@ pub fn draw_spheres(
         table: PerspectiveTable::new(&perspective),
         rays: Rays::new(&quantised.view),
     };
-    let painter = Painter::new(
-        design,
-        rules,
-        table.table(),
-        kernel_compositing(options.compositing),
-        Traversal::Spans,
-    );
+    let order = kernel_compositing(options.compositing);
+    let painter = table.painter(design, order, Traversal::Spans);
     let (pixels, parts) = paint_apart(Pixel::clear(&widths), &tiles, &|window, list, pixels| {
-        let Ok(mut target) = Target::new(pixels, window, window.columns().into()) else {
-            unreachable!("the tile's memory has just been made for its window")
-        };
+        let mut target = whole(pixels, window);
         let mut coverage = Coverage::default();
         for number in list {
             coverage += painter.draw_sphere(&spheres[*number as usize], &perspective, &mut target);

@@ -8,7 +8,7 @@ use super::order_changes::Before;
 use super::{Bins, Pair, TilePart, Workload, WorkloadRow, assemble, each_tile, room_for};
 use crate::camera::Camera;
 use crate::fixed::{
-    self, Options, QuantisedScene, kernel_compositing, kernel_rules, table, table_entries,
+    self, Options, QuantisedScene, TableMemory, kernel_compositing, kernel_rules, whole,
 };
 use crate::host_memory::TooLarge;
 use crate::picture::Picture;
@@ -125,11 +125,9 @@ impl ExtractJob<'_> {
     /// The work, and the screen's pixels if they are wanted.
     fn extract(&self) -> (Workload, Vec<Pixel>) {
         let (design, widths) = (self.options.design.in_fields(), &self.options.design.widths);
-        let rules = kernel_rules(self.options.rules);
-        let memory = table_entries(widths, &rules);
-        let table = table(&memory, widths, &rules);
+        let table = TableMemory::new(widths, &kernel_rules(self.options.rules));
         let compositing = kernel_compositing(self.options.compositing);
-        let painter = Painter::new(design, &rules, table, compositing, self.options.traversal);
+        let painter = table.painter(design, compositing, self.options.traversal);
         let order = self.order();
         let boxes = order.iter().filter_map(|index| {
             let footprint = self.footprints[*index as usize].as_ref().ok()?;
@@ -194,9 +192,7 @@ impl ExtractJob<'_> {
     ) -> TilePart {
         let widths = design.widths();
         let mut pixels = vec![Pixel::clear(&widths); window.pixels()];
-        let Ok(mut target) = Target::new(&mut pixels, window, window.columns().into()) else {
-            unreachable!("the tile's memory has just been made for its window")
-        };
+        let mut target = whole(&mut pixels, window);
         let mut part = TilePart::default();
         for index in list {
             let Ok(footprint) = &self.footprints[*index as usize] else {

@@ -7,7 +7,7 @@ use super::{Bins, TilePart, Workload, assemble, each_tile, room_for};
 use crate::area::surface::SurfaceBits;
 use crate::design::DesignChoice;
 use crate::fixed::surface::{HostCell, QuantisedPoints, footprints, kernel_rules, threshold};
-use crate::fixed::{table, table_entries};
+use crate::fixed::{TableMemory, whole};
 use crate::host_memory::TooLarge;
 use crate::surface::{Buffer, Style};
 use serde::Serialize;
@@ -21,7 +21,6 @@ use splatline::footprint::surface::SurfaceFootprint;
 use splatline::format::{Design, RuntimeWidths, Traversal};
 use splatline::raster::Window;
 use splatline::setup::Cull;
-use splatline::target::Target;
 use splatline::target::cells::CellTarget;
 use std::ops::AddAssign;
 
@@ -165,8 +164,8 @@ impl SurfaceJob<'_> {
     fn gather<C: HostCell>(&self) -> Workload {
         let (design, widths) = (self.design, self.design.widths());
         let rules = kernel_rules(self.style);
-        let memory = table_entries(&widths, &rules);
-        let table = table(&memory, &widths, &rules);
+        let memory = TableMemory::new(&widths, &rules);
+        let table = memory.table();
         let gather = WeightedSum::new(&widths, self.threshold);
         let painter = SurfacePainter::new(design, &rules, table, gather, self.traversal);
         let painted = each_tile(self.bins.lists.len(), &|tile| {
@@ -199,12 +198,8 @@ impl SurfaceJob<'_> {
         let mut cells = vec![CountedCell::<C>::EMPTY; window.pixels()];
         // None of these ever finishes.
         let mut open = vec![Pixel::clear(&widths); window.pixels()];
-        let columns = usize::from(window.columns());
-        let targets = (
-            CellTarget::new(&mut cells, window),
-            Target::new(&mut open, window, columns),
-        );
-        let (Ok(mut target), Ok(mut open)) = targets else {
+        let mut open = whole(&mut open, window);
+        let Ok(mut target) = CellTarget::new(&mut cells, window) else {
             unreachable!("the tile's memory has just been made for its window")
         };
         for index in &self.bins.lists[tile] {

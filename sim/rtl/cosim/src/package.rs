@@ -8,7 +8,7 @@ use splatline::footprint::packet::{Layout, VERSION};
 use splatline::format::{Rounding, Traversal, WIDTH_RANGES, Widths};
 use splatline::raster::{BLOCK, GUARD, vertical_fraction};
 use splatline::rules::Rules;
-use splatline_sim::fixed::table_entries;
+use splatline_sim::fixed::TableMemory;
 pub use splatline_sim::machine::primitive::TILE;
 use std::fmt::Display;
 
@@ -26,7 +26,7 @@ const TYPES: &str = include_str!("../../types.svh");
 /// The footprint table of a design under `rules` in the circuit's form, UQ1.weight: the kernel at the start of each
 /// interval, and the step down to its end.
 pub fn table(widths: &Widths, rules: &Rules) -> Vec<[u32; 2]> {
-    let memory = table_entries(widths, rules);
+    let memory = TableMemory::new(widths, rules).entries;
     // Beyond its end the kernel is 0.
     let next = memory.iter().skip(1).copied().chain([0]);
     let entries = memory.iter().zip(next);

@@ -7,7 +7,7 @@
 
 use crate::camera::Camera;
 use crate::design::DesignChoice;
-use crate::fixed;
+use crate::fixed::{TableMemory, kernel_rules, whole};
 use crate::reference::compositor;
 use crate::reference::float::Footprint as Exact;
 use crate::reference::{Culled, PixelBox};
@@ -15,12 +15,10 @@ use crate::rules::Rules;
 use crate::stability::single::SingleFootprint;
 use rayon::prelude::*;
 use splatline::blend::Pixel;
-use splatline::draw::Painter;
 use splatline::footprint::Footprint;
 use splatline::raster::Window;
 use splatline::rules::Compositing;
 use splatline::setup::Cull;
-use splatline::target::Target;
 use splatline_engine::fast::order::Grid;
 
 /// Side of the squares of pixels that are decided at a time.
@@ -148,8 +146,7 @@ impl DecisionEngine for FloatSide<'_> {
 pub(super) struct FixedSide<'a> {
     footprints: &'a [Result<Footprint, Cull>],
     design: &'a DesignChoice,
-    rules: splatline::rules::Rules,
-    table: Vec<u32>,
+    table: TableMemory,
 }
 
 impl<'a> FixedSide<'a> {
@@ -158,25 +155,18 @@ impl<'a> FixedSide<'a> {
         design: &'a DesignChoice,
         rules: &Rules,
     ) -> Self {
-        let rules = fixed::kernel_rules(rules);
-        let table = fixed::table_entries(&design.widths, &rules);
         FixedSide {
             footprints,
             design,
-            rules,
-            table,
+            table: TableMemory::new(&design.widths, &kernel_rules(rules)),
         }
     }
 
     /// One splat by the kernel's painter.
     fn draw(&self, footprint: &Footprint, area: Window, pixels: &mut [Pixel]) {
-        let Ok(mut target) = Target::new(pixels, area, area.columns().into()) else {
-            unreachable!("the memory has been made for its window")
-        };
-        let table = fixed::table(&self.table, &self.design.widths, &self.rules);
         let (design, order) = (self.design.in_fields(), Compositing::FrontToBack);
-        let painter = Painter::new(design, &self.rules, table, order, self.design.traversal);
-        painter.draw(footprint, &mut target);
+        let painter = self.table.painter(design, order, self.design.traversal);
+        painter.draw(footprint, &mut whole(pixels, area));
     }
 }
 

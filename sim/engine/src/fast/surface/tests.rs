@@ -7,7 +7,6 @@ use crate::fast::lanes::VectorLevel;
 use crate::fast::setup::SurfaceOutcome;
 use crate::fast::tests::{AnyWidths, VIEWPORT, any_widths, arbitrary, usual_widths, window};
 use crate::fixed::surface::{QuantisedPoints, kernel_rules};
-use crate::fixed::{table, table_entries};
 use crate::scene::points::synthetic::{Paint, scene, sphere};
 use crate::surface::Style;
 use proptest::prelude::*;
@@ -52,15 +51,11 @@ impl Subject<'_> {
     }
 
     fn with_painter<T>(&self, work: impl FnOnce(&SurfacePainter<AnyWidths>) -> T) -> T {
-        let memory = table_entries(&self.widths, &self.rules);
-        let table = table(&memory, &self.widths, &self.rules);
-        let design = any_widths(self.widths);
+        let table = TableMemory::new(&self.widths, &self.rules);
+        let (design, rules, gather) = (any_widths(self.widths), &self.rules, self.gather());
+        let (table, traversal) = (table.table(), Traversal::Spans);
         work(&SurfacePainter::new(
-            design,
-            &self.rules,
-            table,
-            self.gather(),
-            Traversal::Spans,
+            design, rules, table, gather, traversal,
         ))
     }
 

@@ -12,7 +12,7 @@ use splatline::footprint::Footprint;
 use splatline::footprint::packet::Layout;
 use splatline::format::{Traversal, Widths};
 use splatline_sim::design::DesignChoice;
-use splatline_sim::fixed::table_entries;
+use splatline_sim::fixed::TableMemory;
 use splatline_sim::scene::synthetic::Random;
 
 /// Records and harmonics at the beginning, bits of nothing in all places that the machine is to write, and a word
@@ -88,7 +88,7 @@ pub fn kernel_frame(design: &DesignChoice, load: &MachineLoad) -> Result<Vec<[u3
         splat.colour = harmonics.colour();
     }
     let rules = load.scene.rules;
-    let memory = table_entries(widths, &rules);
+    let memory = TableMemory::new(widths, &rules).entries;
     let renderer = Renderer::with_table(design.in_fields(), rules, &memory);
     let renderer = renderer.map_err(|error| anyhow!("{error:?}"))?;
     let mut footprints = vec![Footprint::EMPTY; splats.len()];

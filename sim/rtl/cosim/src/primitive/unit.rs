@@ -12,14 +12,14 @@ use crate::simulation::Simulation;
 use crate::unit::{Circuit, Extent, Findings, Load, Loads, Missing};
 use anyhow::Result;
 use splatline::blend::{FINISHED, Pixel};
-use splatline::draw::{Coverage, Painter};
+use splatline::draw::Coverage;
 use splatline::footprint::Footprint;
 use splatline::footprint::packet::Layout;
 use splatline::format::Traversal;
 use splatline::rules::{Compositing, Rules as KernelRules};
 use splatline::target::Target;
 use splatline_sim::design::DesignChoice;
-use splatline_sim::fixed::{kernel_rules, table, table_entries};
+use splatline_sim::fixed::{TableMemory, kernel_rules};
 use splatline_sim::rules::Rules;
 
 /// The numbers of lanes that tests draw with.
@@ -207,13 +207,12 @@ pub fn draw(
     footprints: &[Footprint],
 ) -> Result<(Vec<Pixel>, Coverage)> {
     let widths = &design.widths;
-    let memory = table_entries(widths, rules);
+    let table = TableMemory::new(widths, rules);
     let order = Compositing::FrontToBack;
     let mut drawn = Vec::new();
     let mut coverage = Coverage::default();
     for tile in tiles {
-        let table = table(&memory, widths, rules);
-        let painter = Painter::new(design.in_fields(), rules, table, order, Traversal::Spans);
+        let painter = table.painter(design.in_fields(), order, Traversal::Spans);
         let [columns, rows] = tile.size();
         let mut pixels = vec![Pixel::clear(widths); columns * rows];
         let mut target = Target::new(&mut pixels, tile.window, columns)?;
