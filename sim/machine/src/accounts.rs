@@ -193,21 +193,6 @@ mod tests {
 
     proptest! {
         #[test]
-        fn an_account_adds_up_whatever_is_entered(steps in proptest::collection::vec((0usize..12, 0u64..50), 0..40), more in 0u64..9) {
-            let mut account = Account::default();
-            for (kind, value) in steps {
-                match CAUSES.get(kind) {
-                    Some((cause, _)) => account.wait(*cause, value * 7),
-                    None => account.work(value),
-                }
-            }
-            let total = account.at() + more;
-            let time = UnitTime::close([&account], total);
-            prop_assert_eq!(time.idle, more);
-            prop_assert_eq!(time.busy + time.stalled_sum() + time.idle, total);
-        }
-
-        #[test]
         fn a_fifo_is_never_fuller_than_it_is_deep(depth in 1u32..9, steps in proptest::collection::vec((0u64..4, 0u64..9), 1..60)) {
             let mut fifo = Fifo::new(depth);
             let (mut enter, mut leave) = (0, 0);

@@ -362,16 +362,11 @@ mod tests {
     fn what_no_chip_takes_is_refused_by_name_and_line() {
         let source = "source = \"Horowitz 2014, figure 1.1.9\"";
         let bits = ["bits = 8\npj = 0.2", "bits = 0\npj = 0.2"];
-        let above_0 = "16: adder.pj = -0.1: allowed are numbers above 0 up to 1000000";
         let of_bits = "25: multiplier.bits = 0: allowed are 1 to 4096";
+        let order = ["bytes = 32768", "bytes = 8192"];
         for ([from, to], expected) in [
-            (["pj = 0.03", "pj = -0.1"], above_0),
             (bits, of_bits),
-            (["scale = 1.0", "scale = nan"], "12: scale = NaN"),
-            (
-                ["bytes = 32768", "bytes = 8192"],
-                "memory: 8192 is not above",
-            ),
+            (order, "memory: 8192 is not above"),
             ([source, "source = \" \""], "17: adder.source is empty"),
             (["[dram]", "[drum]"], "drum"),
             ([SHIPPED, "node = \"x\"\n"], "missing field"),
