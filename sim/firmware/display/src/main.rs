@@ -7,18 +7,14 @@ use splatline_display::{DisplayMemory, draw, scene, visible};
 #[cfg(target_os = "none")]
 mod image {
     use super::{DisplayMemory, Panel, draw, report};
-    use core::cell::UnsafeCell;
     use splatline_firmware::board;
 
-    struct Lent(UnsafeCell<DisplayMemory>);
-    // SAFETY: one core, no interrupts.
-    unsafe impl Sync for Lent {}
-    static MEMORY: Lent = Lent(UnsafeCell::new(DisplayMemory::EMPTY));
+    static mut MEMORY: DisplayMemory = DisplayMemory::EMPTY;
 
     #[unsafe(no_mangle)]
     fn image_main() {
-        // SAFETY: called once.
-        let memory = unsafe { &mut *MEMORY.0.get() };
+        // SAFETY: called once, on one core without interrupts.
+        let memory = unsafe { &mut *&raw mut MEMORY };
         let mut panel = Panel::default();
         let drawn = draw(memory, &mut panel);
         let stack = board::stack_used();

@@ -37,18 +37,14 @@ fn frames(memory: &mut FrameMemory, mut print: impl FnMut(&str, u32)) {
 #[cfg(target_os = "none")]
 mod image {
     use super::{FrameMemory, frames};
-    use core::cell::UnsafeCell;
     use splatline_firmware::board;
 
-    struct Lent(UnsafeCell<FrameMemory>);
-    // SAFETY: one core, no interrupts.
-    unsafe impl Sync for Lent {}
-    static MEMORY: Lent = Lent(UnsafeCell::new(FrameMemory::EMPTY));
+    static mut MEMORY: FrameMemory = FrameMemory::EMPTY;
 
     #[unsafe(no_mangle)]
     fn image_main() {
-        // SAFETY: called once.
-        let memory = unsafe { &mut *MEMORY.0.get() };
+        // SAFETY: called once, on one core without interrupts.
+        let memory = unsafe { &mut *&raw mut MEMORY };
         frames(memory, board::print);
         board::print("stack", board::stack_used());
     }

@@ -6,19 +6,15 @@ use splatline_firmware::fixed_picture::{FixedMemory, FixedOutcome, draw};
 #[cfg(target_os = "none")]
 mod image {
     use super::{FixedMemory, draw, report};
-    use core::cell::UnsafeCell;
     use splatline_firmware::board;
     use splatline_firmware::order::Full;
 
-    struct Lent(UnsafeCell<FixedMemory>);
-    // SAFETY: one core, no interrupts.
-    unsafe impl Sync for Lent {}
-    static MEMORY: Lent = Lent(UnsafeCell::new(FixedMemory::EMPTY));
+    static mut MEMORY: FixedMemory = FixedMemory::EMPTY;
 
     #[unsafe(no_mangle)]
     fn image_main() {
-        // SAFETY: called once.
-        let memory = unsafe { &mut *MEMORY.0.get() };
+        // SAFETY: called once, on one core without interrupts.
+        let memory = unsafe { &mut *&raw mut MEMORY };
         let outcome = draw(memory, |_, _| ());
         let stack = board::stack_used();
         match outcome {

@@ -6,19 +6,15 @@ use splatline_firmware::float_picture::{FloatMemory, FloatOutcome, draw};
 #[cfg(target_os = "none")]
 mod image {
     use super::{FloatMemory, draw, report};
-    use core::cell::UnsafeCell;
     use splatline_firmware::board;
     use splatline_firmware::order::Full;
 
-    struct Lent(UnsafeCell<FloatMemory>);
-    // SAFETY: one core, no interrupts.
-    unsafe impl Sync for Lent {}
-    static MEMORY: Lent = Lent(UnsafeCell::new(FloatMemory::EMPTY));
+    static mut MEMORY: FloatMemory = FloatMemory::EMPTY;
 
     #[unsafe(no_mangle)]
     fn image_main() {
-        // SAFETY: called once.
-        let memory = unsafe { &mut *MEMORY.0.get() };
+        // SAFETY: called once, on one core without interrupts.
+        let memory = unsafe { &mut *&raw mut MEMORY };
         let outcome = draw(memory);
         let stack = board::stack_used();
         match outcome {
