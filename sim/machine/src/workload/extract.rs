@@ -52,7 +52,6 @@ pub fn extract_from(
         options,
         tile,
         before: None,
-        wants_pixels: false,
     };
     job.extract().0
 }
@@ -84,7 +83,6 @@ pub fn extract_in_order(
         options,
         tile,
         before: before.map(|workload| Before { workload, exact }),
-        wants_pixels: true,
     };
     let (workload, pixels) = job.extract();
     let colour_log2 = QuantisedScene::new(scene, camera, options.rules).colour_log2;
@@ -102,7 +100,6 @@ struct ExtractJob<'a> {
     options: &'a Options<'a>,
     tile: [u16; 2],
     before: Option<Before<'a>>,
-    wants_pixels: bool,
 }
 
 /// Bits in which the keys of visible splats differ.
@@ -122,7 +119,7 @@ fn ranks(order: &[u32], splats: usize) -> Vec<u32> {
 }
 
 impl ExtractJob<'_> {
-    /// The work, and the screen's pixels if they are wanted.
+    /// The work, and the screen's pixels.
     fn extract(&self) -> (Workload, Vec<Pixel>) {
         let (design, widths) = (self.options.design.in_fields(), &self.options.design.widths);
         let table = TableMemory::new(widths, &kernel_rules(self.options.rules));
@@ -142,11 +139,7 @@ impl ExtractJob<'_> {
         let parts = each_tile(bins.lists.len(), &|at| {
             self.tile(design, &painter, &bins.lists[at], bins.grid.window(at))
         });
-        let screen = if self.wants_pixels {
-            self.screen(&parts, widths, &bins.grid)
-        } else {
-            Vec::new()
-        };
+        let screen = self.screen(&parts, widths, &bins.grid);
         let packet_bytes = 4 * Layout::new(widths, self.options.traversal).words() as u32;
         let mut workload = assemble(parts, &bins, self.footprints.len(), packet_bytes);
         workload.key_bits = key_bits(self.footprints);
@@ -208,10 +201,7 @@ impl ExtractJob<'_> {
                 part.finished_after = Some(part.pairs.len() as u32);
             }
         }
-        if self.wants_pixels {
-            part.pixels = pixels;
-        }
-        part
+        TilePart { pixels, ..part }
     }
 }
 

@@ -191,7 +191,7 @@ struct TilePart {
     finished_after: Option<u32>,
     pairs: Vec<Pair>,
     rows: Vec<WorkloadRow>,
-    /// The finished pixels, where somebody wants them.
+    /// The finished pixels of volumes.
     pixels: Vec<Pixel>,
 }
 
