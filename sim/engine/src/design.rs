@@ -11,7 +11,7 @@
 //! ```
 
 use crate::input::{self, Refused, line_of};
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 use splatline::format::{
     Classic8, Deep32, Design, Lane, Lean18, Micro16, Rounding, RuntimeWidths, Standard24,
     Traversal, WIDTH_RANGES, WidthError, Widths,
@@ -219,19 +219,18 @@ impl TryFrom<ResolvedDesign> for DesignChoice {
 }
 
 /// A traversal as its name, for serde.
-pub mod traversal_by_name {
-    use super::{Traversal, TraversalName, traversal_name};
-    use serde::{Deserialize, Deserializer, Serializer};
+#[derive(Serialize, Deserialize)]
+#[serde(remote = "Traversal", rename_all = "lowercase")]
+pub enum TraversalByName {
+    /// `box`.
+    Box,
+    /// `spans`.
+    Spans,
+}
 
-    /// `box` or `spans`.
-    pub fn serialize<S: Serializer>(traversal: &Traversal, to: S) -> Result<S::Ok, S::Error> {
-        to.serialize_str(traversal_name(*traversal))
-    }
-
-    /// The same back.
-    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Traversal, D::Error> {
-        TraversalName::deserialize(from).map(Traversal::from)
-    }
+/// A traversal that a file may leave out.
+pub fn some_traversal<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Traversal>, D::Error> {
+    TraversalByName::deserialize(from).map(Some)
 }
 
 /// Name of a traversal on the command line.
@@ -259,32 +258,22 @@ struct DesignFile {
     transmittance: Option<u8>,
     colour: Option<u8>,
     accumulator: Option<u8>,
-    rounding: Option<RoundingName>,
-    traversal: Option<TraversalName>,
+    #[serde(default, deserialize_with = "some_rounding")]
+    rounding: Option<Rounding>,
+    #[serde(default, deserialize_with = "some_traversal")]
+    traversal: Option<Traversal>,
 }
 
-#[derive(Clone, Copy, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-enum RoundingName {
+#[derive(Deserialize)]
+#[serde(remote = "Rounding", rename_all = "kebab-case")]
+enum RoundingByName {
     Nearest,
     NearestEven,
     Truncate,
 }
 
-#[derive(Clone, Copy, Deserialize)]
-#[serde(rename_all = "lowercase")]
-enum TraversalName {
-    Box,
-    Spans,
-}
-
-impl From<TraversalName> for Traversal {
-    fn from(name: TraversalName) -> Traversal {
-        match name {
-            TraversalName::Box => Traversal::Box,
-            TraversalName::Spans => Traversal::Spans,
-        }
-    }
+fn some_rounding<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Rounding>, D::Error> {
+    RoundingByName::deserialize(from).map(Some)
 }
 
 impl DesignFile {
@@ -304,14 +293,9 @@ impl DesignFile {
             transmittance: self.transmittance.unwrap_or(base.transmittance),
             colour: self.colour.unwrap_or(base.colour),
             accumulator: self.accumulator.unwrap_or(base.accumulator),
-            rounding: match self.rounding {
-                Some(RoundingName::Nearest) => Rounding::Nearest,
-                Some(RoundingName::NearestEven) => Rounding::NearestEven,
-                Some(RoundingName::Truncate) => Rounding::Truncate,
-                None => base.rounding,
-            },
+            rounding: self.rounding.unwrap_or(base.rounding),
         };
-        choice.traversal = self.traversal.map_or(choice.traversal, Traversal::from);
+        choice.traversal = self.traversal.unwrap_or(choice.traversal);
     }
 }
 

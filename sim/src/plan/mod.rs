@@ -148,7 +148,7 @@ pub struct DesignVariant {
     /// Widths of its datapath.
     pub design: DesignChoice,
     /// How a footprint's pixels are walked.
-    #[serde(with = "crate::design::traversal_by_name")]
+    #[serde(with = "crate::design::TraversalByName")]
     pub traversal: Traversal,
 }
 

@@ -2,7 +2,7 @@
 
 use super::DesignVariant;
 use crate::camera::{Camera, CameraFile};
-use crate::design::{DesignChoice, traversal_by_name};
+use crate::design::{DesignChoice, some_traversal};
 use crate::rules::{Kernel, Rules};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -111,8 +111,4 @@ impl TryFrom<VariantText> for DesignVariant {
         };
         Ok(DesignVariant::new(design, text.traversal))
     }
-}
-
-fn some_traversal<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Traversal>, D::Error> {
-    traversal_by_name::deserialize(from).map(Some)
 }
