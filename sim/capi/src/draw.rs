@@ -9,7 +9,6 @@ use splatline::draw::{Coverage, Painter};
 use splatline::format::Widths;
 use splatline::kernel::FootprintTable;
 use splatline::raster::Window;
-use splatline::rules::Compositing;
 use splatline::target::Target;
 
 /// Everything that is constant for a picture. The table stays the caller's and must outlive every use of the painter.
@@ -133,22 +132,4 @@ unsafe fn draw_into(
     );
     let kernel_painter = Painter::new(design, &rules, table, order, traversal);
     Ok(kernel_painter.draw(&footprint.into(), &mut target))
-}
-
-/// One opacity into one pixel, as the painter does it.
-pub(crate) fn composite(
-    blend: &Blend,
-    compositing: Compositing,
-    alpha: u32,
-    colour: &[u32; 3],
-    pixel: &mut Pixel,
-) {
-    if alpha == 0 || pixel.is_finished() {
-        return;
-    }
-    match compositing {
-        Compositing::FrontToBack => blend.front_to_back(pixel, alpha, colour),
-        Compositing::BackToFront => blend.back_to_front(pixel, alpha, colour),
-        Compositing::XRay => blend.x_ray(pixel, alpha, colour),
-    }
 }

@@ -3,7 +3,7 @@
 //! What an RTL bench compares step by step. Lane words come as 64-bit integers; a design with 32-bit lanes holds their
 //! low 32 bits.
 
-use crate::draw::{SplatlinePainter, composite};
+use crate::draw::SplatlinePainter;
 use crate::memory::{modify, read, write};
 use crate::status::{Error, SPLATLINE_OK, code};
 use crate::types::*;
@@ -12,6 +12,7 @@ use splatline::blend::Pixel;
 use splatline::format::{RuntimeWidths, Traversal};
 use splatline::math::shift_signed;
 use splatline::raster::{BoxSpans, EllipseSpans, Span, Spans};
+use splatline::rules::Compositing;
 
 /// Words of the state in SplatlineSpans.
 pub const SPLATLINE_ROWS_STATE: usize = 32;
@@ -218,8 +219,14 @@ pub unsafe extern "C" fn splatline_pixel_composite(
         if opacity > 1 << widths.alpha {
             return Err(Error::Value);
         }
-        let order = crate::types::compositing(painter.compositing)?;
-        composite(&blend, order, opacity, colour, pixel);
+        let order = compositing(painter.compositing)?;
+        if opacity > 0 && !pixel.is_finished() {
+            match order {
+                Compositing::FrontToBack => blend.front_to_back(pixel, opacity, colour),
+                Compositing::BackToFront => blend.back_to_front(pixel, opacity, colour),
+                Compositing::XRay => blend.x_ray(pixel, opacity, colour),
+            }
+        }
         Ok(SPLATLINE_OK)
     })
 }
