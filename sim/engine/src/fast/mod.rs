@@ -27,7 +27,8 @@ pub use painter::{
     whole,
 };
 pub use tile::TILE;
-pub use words::visit::{OpacityVisitor, TakeOpacities};
+pub(crate) use words::numbers::PathNumbers;
+pub(crate) use words::visit::{TakeOpacities, VisitTask};
 
 #[cfg(test)]
 mod tests;

@@ -69,7 +69,7 @@ pub fn whole(pixels: &mut [Pixel], window: Window) -> Target<'_> {
 /// A thread's memory.
 #[derive(Clone, Debug, Default)]
 pub struct PaintScratch {
-    pub(super) words: Option<WordTile<u64>>,
+    pub(super) words: Option<WordTile<i64>>,
     pub(super) singles: Option<WordTile<f32>>,
 }
 

@@ -80,16 +80,17 @@ impl BlockSpans {
     /// Notes the runs of the rows from number `start` on.
     #[inline(always)]
     fn store<L: Lanes>(&mut self, lanes: L, start: usize, runs: Runs<L>) {
-        lanes.store(window_mut(&mut self.x, start), runs.x);
-        lanes.store(window_mut(&mut self.end, start), runs.end);
-        lanes.store(window_mut(&mut self.radial, start), runs.radial);
-        lanes.store(window_mut(&mut self.first, start), runs.first);
+        let start = start % ROWS;
+        lanes.write(&mut self.x, start, runs.x);
+        lanes.write(&mut self.end, start, runs.end);
+        lanes.write(&mut self.radial, start, runs.radial);
+        lanes.write(&mut self.first, start, runs.first);
     }
 
     /// First column of the rows from number `start` on, and one past the last.
     #[inline(always)]
     pub fn columns<L: Lanes>(&self, lanes: L, start: usize) -> [L::Word; 2] {
-        [&self.x, &self.end].map(|list| lanes.load(window(list, start)))
+        [&self.x, &self.end].map(|list| lanes.read(list, start % ROWS))
     }
 
     /// Radial index and first difference at the first column of row number `row`.
@@ -293,21 +294,6 @@ impl RowBatch {
 pub(super) fn two(words: &[i64; ROOM], start: usize) -> &[i64; 2] {
     let rows = &words[start % ROWS..];
     rows.first_chunk().unwrap_or(&[0; 2])
-}
-
-/// Eight words from `start` on, a row's number.
-#[inline(always)]
-pub(super) fn window(words: &[i64; ROOM], start: usize) -> &[i64; 8] {
-    words[start % ROWS..].first_chunk().unwrap_or(&[0; 8])
-}
-
-/// The same, to be written.
-#[inline(always)]
-pub(super) fn window_mut(words: &mut [i64; ROOM], start: usize) -> &mut [i64; 8] {
-    let Some(window) = words[start % ROWS..].first_chunk_mut() else {
-        unreachable!("the list has room for a vector at every row")
-    };
-    window
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@ use super::frame::{TileLists, paint_apart, to_picture};
 use super::quantise::QuantisedScene;
 use super::render::{Options, PaintEngine, seen};
 use crate::camera::Camera;
-use crate::fast::{OpacityVisitor, TableMemory, TakeOpacities};
+use crate::fast::{PathNumbers, TableMemory, TakeOpacities, VisitTask};
 use crate::picture::Picture;
 use crate::rules::Compositing;
 use crate::scene::Scene;
@@ -38,10 +38,10 @@ pub fn draw(
     }
     let footprints: Vec<Footprint> = seen.into_iter().map(|(_, footprint)| footprint).collect();
     let table = TableMemory::new(&widths, rules);
-    let visitor = match (engine, options.traversal) {
+    let vectors = match (engine, options.traversal) {
         (PaintEngine::Vectors(choice), Traversal::Spans) => {
-            let lane_bits = options.design.lane_bits();
-            OpacityVisitor::new(&table, lane_bits, choice)
+            let path = PathNumbers::new(&table, options.design.lane_bits());
+            path.map(|path| (path, choice))
         }
         _ => None,
     };
@@ -71,8 +71,19 @@ pub fn draw(
                 take(layer, [x, y], &[opacity.into()]);
             });
         };
-        match &visitor {
-            Some(visitor) => visitor.visit(window, &footprints, list, &alone, &mut take),
+        match &vectors {
+            Some((path, choice)) => {
+                let (footprints, alone, take) = (&footprints, &alone, &mut take);
+                let task = VisitTask {
+                    path,
+                    window,
+                    footprints,
+                    list,
+                    alone,
+                    take,
+                };
+                task.visit(*choice);
+            }
             None => list.iter().for_each(|layer| alone(*layer, &mut take)),
         }
     };

@@ -326,24 +326,6 @@ impl Lanes for Avx2 {
         )))
     }
     #[inline(always)]
-    fn read(self, from: &[u64], at: usize) -> __m256i {
-        match from.get(at..).and_then(|rest| rest.first_chunk::<4>()) {
-            // SAFETY: an array of four words is read.
-            Some(words) => unsafe { _mm256_loadu_si256(words.as_ptr().cast()) },
-            None => self.splat(0),
-        }
-    }
-    #[inline(always)]
-    fn write(self, to: &mut [u64], at: usize, value: __m256i) {
-        if let Some(words) = to
-            .get_mut(at..)
-            .and_then(|rest| rest.first_chunk_mut::<4>())
-        {
-            // SAFETY: an array of four words is written.
-            unsafe { _mm256_storeu_si256(words.as_mut_ptr().cast(), value) }
-        }
-    }
-    #[inline(always)]
     fn unmarked(self, a: __m256i) -> __m256i {
         // What becomes of lower halves is shifted out.
         let positive = op!(_mm256_max_epi32(a, _mm256_setzero_si256()));

@@ -192,24 +192,6 @@ impl Lanes for Avx512 {
         ))
     }
     #[inline(always)]
-    fn read(self, from: &[u64], at: usize) -> __m512i {
-        match from.get(at..).and_then(|rest| rest.first_chunk::<8>()) {
-            // SAFETY: an array of eight words is read.
-            Some(words) => unsafe { _mm512_loadu_si512(words.as_ptr().cast()) },
-            None => self.splat(0),
-        }
-    }
-    #[inline(always)]
-    fn write(self, to: &mut [u64], at: usize, value: __m512i) {
-        if let Some(words) = to
-            .get_mut(at..)
-            .and_then(|rest| rest.first_chunk_mut::<8>())
-        {
-            // SAFETY: an array of eight words is written.
-            unsafe { _mm512_storeu_si512(words.as_mut_ptr().cast(), value) }
-        }
-    }
-    #[inline(always)]
     fn unmarked(self, a: __m512i) -> __m512i {
         // What becomes of lower halves is shifted out.
         let positive = op!(_mm512_max_epi32(a, _mm512_setzero_si512()));

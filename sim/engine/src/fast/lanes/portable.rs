@@ -197,20 +197,6 @@ impl Lanes for Portable {
         std::array::from_fn(|k| double(a[k]) > double(b[k]))
     }
     #[cfg_attr(not(test), inline(always))]
-    fn read(self, from: &[u64], at: usize) -> Words {
-        let words = from.get(at..).and_then(|rest| rest.first_chunk::<8>());
-        words.map_or([0; 8], |words| words.map(|word| word as i64))
-    }
-    #[cfg_attr(not(test), inline(always))]
-    fn write(self, to: &mut [u64], at: usize, value: Words) {
-        if let Some(words) = to
-            .get_mut(at..)
-            .and_then(|rest| rest.first_chunk_mut::<8>())
-        {
-            *words = value.map(|word| word as u64);
-        }
-    }
-    #[cfg_attr(not(test), inline(always))]
     fn halves(self, low: Words, high: Words) -> Words {
         std::array::from_fn(|k| low[k] & 0xffff_ffff | high[k] & !0xffff_ffff)
     }

@@ -6,7 +6,7 @@ use proptest::prelude::*;
 
 /// Operands of the operations on words.
 struct Operations {
-    a: [u64; 16],
+    a: [i64; 16],
     b: [i64; 8],
     at: usize,
     count: usize,
@@ -17,7 +17,7 @@ struct Operations {
 
 impl VectorTask for &Operations {
     /// The first four words of all results, in a fixed order, written among pixels and listed.
-    type Output = Vec<[u64; 4]>;
+    type Output = Vec<[i64; 4]>;
 
     #[inline(always)]
     fn run<L: Lanes>(self, lanes: L) -> Self::Output {
@@ -70,7 +70,7 @@ impl VectorTask for &Operations {
             let start = self.at.min(stored.len() - 4);
             results.push(std::array::from_fn(|k| stored[start + k]));
             let list = lanes.list(word);
-            results.push(std::array::from_fn(|k| list[k] as u64));
+            results.push(std::array::from_fn(|k| list[k]));
         }
         results
     }
@@ -79,10 +79,10 @@ impl VectorTask for &Operations {
 proptest! {
     #[test]
     fn operations_are_the_portable_ones(
-        a: [u64; 16], b: [i64; 8], alike: bool, at in 0usize..9, count in 0usize..9, by in 0u32..64, rows: [[i32; 4]; 8],
+        a: [i64; 16], b: [i64; 8], alike: bool, at in 0usize..9, count in 0usize..9, by in 0u32..64, rows: [[i32; 4]; 8],
         table in prop::collection::vec(any::<u32>(), 0..60),
     ) {
-        let b = if alike { std::array::from_fn(|k| a[at + k] as i64) } else { b };
+        let b = if alike { std::array::from_fn(|k| a[at + k]) } else { b };
         let operations = Operations { a, b, at, count, by, rows, table };
         let expected = (&operations).run(Portable);
         for choice in [VectorLevel::Avx2, VectorLevel::Best] {

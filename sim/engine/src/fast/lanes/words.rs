@@ -194,10 +194,19 @@ pub trait Lanes: Copy + Send + Sync {
 
     // Pixels of one word each.
 
-    /// The words from place `at` on; zeros if there are too few.
-    fn read(self, from: &[u64], at: usize) -> Self::Word;
-    /// Stores words from place `at` on; nothing if there is no room.
-    fn write(self, to: &mut [u64], at: usize, value: Self::Word);
+    /// The words from place `at` on; zeros if there are fewer than eight.
+    #[inline(always)]
+    fn read(self, from: &[i64], at: usize) -> Self::Word {
+        let words = from.get(at..).and_then(|rest| rest.first_chunk());
+        self.load(words.unwrap_or(&[0; 8]))
+    }
+    /// Stores words from place `at` on; nothing if there is no room for eight.
+    #[inline(always)]
+    fn write(self, to: &mut [i64], at: usize, value: Self::Word) {
+        if let Some(words) = to.get_mut(at..).and_then(|rest| rest.first_chunk_mut()) {
+            self.store(words, value);
+        }
+    }
     /// The upper half of each word, in the lower one; 0 where it is negative.
     #[inline(always)]
     fn unmarked(self, a: Self::Word) -> Self::Word {

@@ -29,12 +29,12 @@ const BLOCKS: [usize; 2] = [TILE[0] as usize / BLOCK, ROWS / BLOCK];
 const MATERIAL: i64 = 8;
 
 /// Key of an empty pixel.
-const EMPTY: u64 = i64::MAX as u64;
+const EMPTY: i64 = i64::MAX;
 
 /// A row's keys and sums.
 #[derive(Clone, Debug)]
 struct SumRow {
-    keys: [u64; STRIDE],
+    keys: [i64; STRIDE],
     sums: [Sums; STRIDE],
 }
 
@@ -102,7 +102,7 @@ impl SumTile {
         for (y, row) in rows.enumerate() {
             let blocks = row.keys[..columns].chunks(BLOCK);
             for (farthest, keys) in self.farthest[y / BLOCK % BLOCKS[1]].iter_mut().zip(blocks) {
-                let near = keys.iter().fold(0, |far, key| far.max(*key as i64));
+                let near = keys.iter().fold(0, |far, key| far.max(*key));
                 *farthest = near.max(*farthest);
             }
         }
@@ -186,14 +186,14 @@ impl SumTile {
             }
         }
         let key = lanes.or(lanes.shl(depths, material), splat.material);
-        let empty = lanes.splat(EMPTY as i64);
+        let empty = lanes.splat(EMPTY);
         let compared = lanes.select(old, empty, before);
         let nearest = lanes.select(compared, key, lanes.greater(compared, key));
         lanes.write(keys, x, lanes.select(old, nearest, drawn));
         for (k, weight) in lanes.list(weights).iter().enumerate().take(L::WIDE) {
             if !lanes.add_shares(&mut sums[x + k], weight, &splat.attributes) {
                 // A full pixel stays as it is.
-                keys[x + k] = lanes.list(old)[k] as u64;
+                keys[x + k] = lanes.list(old)[k];
             }
         }
     }
@@ -214,7 +214,7 @@ impl SumTile {
 pub struct SumCell([Fragment; 1]);
 
 impl SumCell {
-    fn new([red, green, blue, opacity, x, y, z, weight]: &Sums, key: u64) -> Self {
+    fn new([red, green, blue, opacity, x, y, z, weight]: &Sums, key: i64) -> Self {
         let near = (key >> MATERIAL) as u32;
         SumCell([Fragment {
             weight: *weight,

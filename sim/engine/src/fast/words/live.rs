@@ -7,8 +7,8 @@
 use super::path::{SHORT, TwoRuns};
 use super::tile::{PixelWord, WordTile};
 use crate::fast::lanes::Lanes;
-use crate::fast::rows::{BlockSpans, Pixels, two, window_mut};
-use crate::fast::tile::{ROOM, TILE};
+use crate::fast::rows::{BlockSpans, Pixels, two};
+use crate::fast::tile::{ROOM, ROWS, TILE};
 
 /// The runs of one footprint in one block; memory that is used again for every block.
 pub(super) struct LiveRuns {
@@ -42,10 +42,10 @@ impl LiveRuns {
         let (mut empty, mut long) = (0, 0);
         for row in (0..count).step_by(L::WIDE) {
             let [x, of_run] = columns(lanes, runs.columns(lanes, row), left);
-            let live = lanes.load(tile.live(first + row));
+            let live = tile.live(lanes, first + row);
             let pixels = lanes.shr(lanes.and(of_run, live), x);
-            lanes.store(window_mut(&mut self.starts, row), x);
-            lanes.store(window_mut(&mut self.pixels, row), pixels);
+            lanes.write(&mut self.starts, row % ROWS, x);
+            lanes.write(&mut self.pixels, row % ROWS, pixels);
             empty |= u64::from(lanes.flags(lanes.equal(pixels, zero))) << row;
             long |= u64::from(lanes.flags(lanes.greater(pixels, short))) << row;
         }

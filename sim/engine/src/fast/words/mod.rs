@@ -163,7 +163,7 @@ struct TilePainting<'a, W: PixelWord, N> {
     tile: &'a mut WordTile<W>,
 }
 
-impl VectorTask for TilePainting<'_, u64, PathNumbers> {
+impl VectorTask for TilePainting<'_, i64, PathNumbers> {
     type Output = Coverage;
 
     #[inline(always)]
@@ -177,7 +177,7 @@ impl VectorTask for TilePainting<'_, u64, PathNumbers> {
     }
 }
 
-impl TilePainting<'_, u64, PathNumbers> {
+impl TilePainting<'_, i64, PathNumbers> {
     #[inline(always)]
     fn paint<L: Lanes, const OPERATOR: u8>(self, lanes: L) -> Coverage {
         let path = WordPixels::<L, OPERATOR>::new(lanes, self.numbers);

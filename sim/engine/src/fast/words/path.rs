@@ -156,7 +156,7 @@ impl<'a, L: Lanes, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
             alpha_max: word(numbers.alpha_max.into()),
             opacity_min: lanes.splat(numbers.opacity_min),
             stop: lanes.splat(numbers.stop << 32),
-            mark: word(super::tile::MARK),
+            mark: lanes.splat(super::tile::MARK),
             green: word(32u32.saturating_sub(numbers.colour.by).into()),
             layer: shift(numbers.layer.unwrap_or(numbers.light)),
             raised: word(transmittance.saturating_sub(alpha).into()),
@@ -233,7 +233,7 @@ impl<'a, L: Lanes, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
         radial: L::Word,
         inside: L::Truth,
         x: usize,
-        row: &mut Row<u64>,
+        row: &mut Row<i64>,
         counts: &mut Coverage,
     ) {
         let lanes = self.lanes;
@@ -276,7 +276,7 @@ impl<'a, L: Lanes, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
         share: L::Word,
         after: L::Word,
         x: usize,
-        row: &mut Row<u64>,
+        row: &mut Row<i64>,
     ) {
         let lanes = self.lanes;
         let [red, green, blue] = splat.colour;
@@ -300,7 +300,7 @@ impl<'a, L: Lanes, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
         share: L::Word,
         after: L::Word,
         x: usize,
-        row: &mut Row<u64>,
+        row: &mut Row<i64>,
     ) {
         let lanes = self.lanes;
         let [red, green, blue] = splat.colour;
@@ -333,7 +333,7 @@ impl<'a, L: Lanes, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
         alpha: L::Word,
         inside: L::Truth,
         x: usize,
-        row: &mut Row<u64>,
+        row: &mut Row<i64>,
     ) {
         let lanes = self.lanes;
         let [red, green, blue] = splat.colour;
@@ -408,7 +408,7 @@ impl<'a, L: Lanes, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
 }
 
 impl<L: Lanes, const OPERATOR: u8> PixelPath for WordPixels<'_, L, OPERATOR> {
-    type Word = u64;
+    type Word = i64;
     type Splat = SplatWords<L>;
 
     #[inline(always)]
@@ -441,7 +441,7 @@ impl<L: Lanes, const OPERATOR: u8> PixelPath for WordPixels<'_, L, OPERATOR> {
         &self,
         splat: &SplatWords<L>,
         pixels: &Pixels,
-        row: &mut Row<u64>,
+        row: &mut Row<i64>,
         counts: &mut Coverage,
     ) {
         let lanes = self.lanes;
@@ -459,7 +459,7 @@ impl<L: Lanes, const OPERATOR: u8> PixelPath for WordPixels<'_, L, OPERATOR> {
     }
 
     #[inline(always)]
-    fn finished(&self, row: &Row<u64>) -> u64 {
+    fn finished(&self, row: &Row<i64>) -> u64 {
         let lanes = self.lanes;
         let columns = (0..usize::from(TILE[0])).step_by(L::WIDE);
         columns.fold(0, |all, x| {

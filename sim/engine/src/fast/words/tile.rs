@@ -5,8 +5,8 @@
 
 use super::path::PixelPath;
 use super::single::WHOLE;
+use crate::fast::lanes::Lanes;
 use crate::fast::painter::Start;
-use crate::fast::rows;
 use crate::fast::tile::{ROOM, ROWS, TILE, extent};
 use splatline::blend::{FINISHED, Pixel};
 use splatline::raster::Window;
@@ -21,7 +21,7 @@ const STRIDE: usize = TILE[0] as usize + SPARE;
 const COLUMNS: usize = TILE[0] as usize;
 
 /// The mark of a finished pixel: the transmittance's most significant bit, which no product sees.
-pub const MARK: u64 = 1 << 63;
+pub const MARK: i64 = i64::MIN;
 
 /// One row's planes. The spare columns hold finished pixels.
 pub type Row<W> = <W as PixelWord>::Row;
@@ -40,15 +40,15 @@ pub trait PixelWord: Copy {
     fn pixel(row: &Self::Row, x: usize) -> Pixel;
 }
 
-impl PixelWord for u64 {
-    type Row = [[u64; STRIDE]; 2];
+impl PixelWord for i64 {
+    type Row = [[i64; STRIDE]; 2];
     const FINISHED: Self::Row = [[MARK; STRIDE], [0; STRIDE]];
     const LARGEST_SUM: u32 = u32::MAX;
 
     #[inline(always)]
     fn set(row: &mut Self::Row, x: usize, pixel: Pixel) {
-        let [red, green, blue] = pixel.colour.map(u64::from);
-        row[0][x] = u64::from(pixel.transmittance) << 32 | blue;
+        let [red, green, blue] = pixel.colour.map(i64::from);
+        row[0][x] = i64::from(pixel.transmittance) << 32 | blue;
         row[1][x] = green << 32 | red;
     }
 
@@ -155,10 +155,10 @@ impl<W: PixelWord> WordTile<W> {
         &mut self.rows
     }
 
-    /// The pixels of eight rows that had not finished when they were last looked at: a bit for each.
+    /// The pixels of some rows that had not finished when they were last looked at: a bit for each.
     #[inline(always)]
-    pub fn live(&self, first: usize) -> &[i64; 8] {
-        rows::window(&self.live, first)
+    pub fn live<L: Lanes>(&self, lanes: L, first: usize) -> L::Word {
+        lanes.read(&self.live, first % ROWS)
     }
 
     /// Looks which pixels have finished: a bit for each of a row.

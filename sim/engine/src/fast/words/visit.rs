@@ -7,7 +7,6 @@
 use super::numbers::{EVEN, PathNumbers};
 use super::path::{PixelPath, SplatWords, WordPixels};
 use crate::fast::lanes::{Lanes, VectorLevel, VectorTask, dispatch_pixels};
-use crate::fast::painter::TableMemory;
 use crate::fast::row_group::RowGroup;
 use crate::fast::rows::{Pixels, RowBatch};
 use crate::fast::tile::TILE;
@@ -21,53 +20,26 @@ pub type TakeOpacities<'a> = dyn FnMut(u32, [u16; 2], &[i64]) + 'a;
 /// Visits one footprint by the kernel.
 pub type VisitAlone<'a> = dyn Fn(u32, &mut TakeOpacities) + 'a;
 
-/// Visits footprints' pixels along spans.
-#[derive(Clone, Debug)]
-pub struct OpacityVisitor {
-    path: PathNumbers,
-    choice: VectorLevel,
+/// Footprints' pixels to be visited along spans.
+pub struct VisitTask<'a> {
+    pub path: &'a PathNumbers,
+    /// At most a [`TILE`]; begins a block.
+    pub window: Window,
+    pub footprints: &'a [Footprint],
+    /// The footprints, in this order.
+    pub list: &'a [u32],
+    /// What vectors cannot do is visited by it.
+    pub alone: &'a VisitAlone<'a>,
+    pub take: &'a mut TakeOpacities<'a>,
 }
 
-impl OpacityVisitor {
-    /// For a design with lanes of so many bits; `None` where only the kernel can.
-    pub fn new(table: &TableMemory, lane_bits: u32, choice: VectorLevel) -> Option<Self> {
-        Some(OpacityVisitor {
-            path: PathNumbers::new(table, lane_bits)?,
-            choice,
-        })
-    }
-
-    /// Visits the footprints of `list`, in this order, in the pixels of `window`, which is at most a [`TILE`] and
-    /// begins a block. What vectors cannot do is visited by `alone`.
-    pub fn visit(
-        &self,
-        window: Window,
-        footprints: &[Footprint],
-        list: &[u32],
-        alone: &VisitAlone,
-        take: &mut TakeOpacities,
-    ) {
-        let task = VisitTask {
-            visitor: self,
-            window,
-            footprints,
-            list,
-            alone,
-            take,
-        };
-        if let Err(task) = dispatch_pixels(self.choice, task) {
-            list.iter().for_each(|index| alone(*index, task.take));
+impl VisitTask<'_> {
+    /// Visits them on these vectors.
+    pub fn visit(self, choice: VectorLevel) {
+        if let Err(task) = dispatch_pixels(choice, self) {
+            (task.list.iter()).for_each(|index| (task.alone)(*index, task.take));
         }
     }
-}
-
-struct VisitTask<'a> {
-    visitor: &'a OpacityVisitor,
-    window: Window,
-    footprints: &'a [Footprint],
-    list: &'a [u32],
-    alone: &'a VisitAlone<'a>,
-    take: &'a mut TakeOpacities<'a>,
 }
 
 impl VectorTask for VisitTask<'_> {
@@ -75,7 +47,7 @@ impl VectorTask for VisitTask<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, lanes: L) {
-        let path = &self.visitor.path;
+        let path = self.path;
         let pixels = WordPixels::<L, EVEN>::new(lanes, path);
         let (mut group, mut batch) = (RowGroup::default(), RowBatch::new());
         let mut memory = [0; ROOM];
@@ -125,10 +97,7 @@ fn opacities<L: Lanes>(
     let mut radial = pixels.start(splat, run);
     for from in (0..run.length).step_by(L::WIDE) {
         let inside = pixels.inside(splat, radial[0], run.length - from);
-        let Some(room) = opacities[from % ROOM..].first_chunk_mut() else {
-            break;
-        };
-        lanes.store(room, pixels.alpha(splat, radial[0], inside));
+        lanes.write(opacities, from, pixels.alpha(splat, radial[0], inside));
         radial = pixels.step(splat, radial);
     }
 }
