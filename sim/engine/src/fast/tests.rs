@@ -124,11 +124,24 @@ fn narrow_widths() -> impl Strategy<Value = Widths> {
 
 pub(super) const VIEWPORT: [u16; 2] = [150, 77];
 
+pub(super) fn number(
+    mantissa: impl Strategy<Value = i32>,
+    exponent: impl Strategy<Value = i32>,
+) -> impl Strategy<Value = SoftFloat> {
+    (mantissa, exponent).prop_map(|(mantissa, exponent)| SoftFloat { mantissa, exponent })
+}
+
+/// As the host has them, of either sign.
+pub(super) fn normalised(exponent: impl Strategy<Value = i32>) -> impl Strategy<Value = SoftFloat> {
+    let mantissa = (1i32 << 30..=i32::MAX, any::<bool>());
+    let mantissa = mantissa.prop_map(|(m, minus)| if minus { -m } else { m });
+    number(mantissa, exponent)
+}
+
 /// Any words at all; the box within the viewport, as the packet promises.
 pub(super) fn arbitrary() -> impl Strategy<Value = Footprint> {
-    let number = (any::<i32>(), -70i32..10)
-        .prop_map(|(mantissa, exponent)| SoftFloat { mantissa, exponent });
-    let scan = (number.clone(), number.clone(), number.clone(), number);
+    let any_number = || number(any::<i32>(), -70i32..10);
+    let scan = (any_number(), any_number(), any_number(), any_number());
     let corner = (0..VIEWPORT[0], 0..VIEWPORT[1]);
     let words = (any::<u32>(), any::<u32>(), any::<[u32; 3]>());
     (

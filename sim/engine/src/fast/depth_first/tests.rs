@@ -4,6 +4,7 @@ use super::spheres::Projected;
 use super::*;
 use crate::camera::Camera;
 use crate::design::DesignChoice;
+use crate::fast::tests::normalised;
 use crate::fixed::{PaintEngine, QuantisedScene, kernel_rules};
 use crate::renderer::{Renderer, Settings};
 use crate::rules;
@@ -21,22 +22,14 @@ use splatline::splat::Axis;
 /// Around the view of [`camera`], from needles to balls around the eye, some of any bits.
 fn splat() -> impl Strategy<Value = VolumeSplat> {
     let mantissa = prop_oneof![8 => any::<i32>(), 1 => -3i32..4, 1 => Just(i32::MIN)];
-    let number = |exponent: std::ops::Range<i32>| {
-        let normalised = (1i32 << 30..=i32::MAX, any::<bool>());
-        (normalised, exponent).prop_map(|((m, minus), exponent)| SoftFloat {
-            mantissa: if minus { -m } else { m },
-            exponent,
-        })
-    };
     let exponent = prop_oneof![8 => -44i32..-26, 1 => -600i32..600];
     let axis = (prop::array::uniform3(mantissa), exponent);
     let axis = axis.prop_map(|(mantissa, exponent)| Axis { mantissa, exponent });
-    let coordinate =
-        prop_oneof![20 => number(-33..-28), 1 => number(-200..200), 1 => Just(SoftFloat::ZERO)];
+    let coordinate = prop_oneof![20 => normalised(-33..-28), 1 => normalised(-200..200), 1 => Just(SoftFloat::ZERO)];
     (
         prop::array::uniform3(coordinate),
         prop::array::uniform3(axis),
-        number(-40..-28),
+        normalised(-40..-28),
     )
         .prop_map(|(centre, axes, weight)| VolumeSplat {
             centre,

@@ -3,6 +3,7 @@
 use super::real::Real;
 use super::*;
 use crate::fast::lanes::Portable;
+use crate::fast::tests::{normalised, number};
 use crate::fixed::{QuantisedScene, kernel_rules};
 use crate::rules;
 use crate::scene::synthetic;
@@ -28,32 +29,21 @@ fn splat() -> impl Strategy<Value = VolumeSplat> {
         prop_oneof![4 => -60i32..-20, 2 => -120i32..-40, 1 => any::<i32>(), 1 => -600i32..600];
     let axis = (prop::array::uniform3(bits()), exponent.clone())
         .prop_map(|(mantissa, exponent)| Axis { mantissa, exponent });
-    // Normalised, as the host has them, or any.
-    let normalised =
-        (1i32 << 30..=i32::MAX, any::<bool>(), -40i32..-24).prop_map(|(m, s, exponent)| {
-            SoftFloat {
-                mantissa: if s { -m } else { m },
-                exponent,
-            }
-        });
-    let any_number = (bits(), exponent.clone())
-        .prop_map(|(mantissa, exponent)| SoftFloat { mantissa, exponent });
-    let centre = prop::array::uniform3(
-        prop_oneof![20 => normalised, 1 => any_number, 1 => Just(SoftFloat::ZERO)],
-    );
-    (
-        centre,
+    let any_number = || number(bits(), exponent.clone());
+    let coordinate =
+        prop_oneof![20 => normalised(-40i32..-24), 1 => any_number(), 1 => Just(SoftFloat::ZERO)];
+    let places = (
+        prop::array::uniform3(coordinate),
         prop::array::uniform3(axis),
-        bits(),
-        exponent,
-        any::<[u32; 3]>(),
-    )
-        .prop_map(|(centre, axes, mantissa, exponent, colour)| VolumeSplat {
+    );
+    (places, any_number(), any::<[u32; 3]>()).prop_map(|((centre, axes), weight, colour)| {
+        VolumeSplat {
             centre,
             axes,
-            weight: SoftFloat { mantissa, exponent },
+            weight,
             colour: colour.map(U4F28::from_bits),
-        })
+        }
+    })
 }
 
 /// Sets splats up by vectors; `alone` is the kernel's outcome of one.
@@ -76,10 +66,13 @@ fn check_all<S, T>(
     }
 }
 
+fn quantised(count: usize, rules: &rules::Rules) -> QuantisedScene {
+    let scene = synthetic::random_gaussians(count, 5, 3.0);
+    QuantisedScene::new(&scene, &synthetic::camera(320, 200), rules)
+}
+
 fn check<D: Design>(design: D, splats: &[VolumeSplat], rules: &Rules) {
-    let scene = synthetic::random_gaussians(10, 1, 1.0);
-    let camera = synthetic::camera(320, 200);
-    let view = QuantisedScene::new(&scene, &camera, &rules::Rules::GAUSSIAN_3D).view;
+    let view = quantised(10, &rules::Rules::GAUSSIAN_3D).view;
     let alone = |splat: &VolumeSplat| setup(design, &view, rules, splat);
     check_all(design.widths(), (&view, rules), splats, alone);
 }
@@ -87,10 +80,8 @@ fn check<D: Design>(design: D, splats: &[VolumeSplat], rules: &Rules) {
 /// Arrays are what processors without vectors of their own would use; here the kernel is faster.
 #[test]
 fn arrays_set_up_as_well() {
-    let scene = synthetic::random_gaussians(2_000, 6, 3.0);
-    let camera = synthetic::camera(320, 200);
     for stated in [rules::Rules::EWA, rules::Rules::GAUSSIAN_3D] {
-        let QuantisedScene { view, splats, .. } = QuantisedScene::new(&scene, &camera, &stated);
+        let QuantisedScene { view, splats, .. } = quantised(2_000, &stated);
         let rules = kernel_rules(&stated);
         let mut outcomes = vec![Err(Cull::Near); splats.len()];
         let batch = SetupBatch {
@@ -143,15 +134,13 @@ proptest! {
 
 /// Normalised numbers, many of few bits, of similar size.
 fn normal() -> impl Strategy<Value = SoftFloat> {
-    (1i32 << 30..=i32::MAX, 0u32..31, any::<bool>(), -34i32..-26).prop_map(
-        |(mantissa, zeros, minus, exponent)| {
-            let short = (mantissa >> zeros << zeros).max(1 << 30);
-            SoftFloat {
-                mantissa: if minus { -short } else { short },
-                exponent,
-            }
-        },
-    )
+    (normalised(-34i32..-26), 0u32..31).prop_map(|(SoftFloat { mantissa, exponent }, zeros)| {
+        let short = (mantissa.abs() >> zeros << zeros).max(1 << 30);
+        SoftFloat {
+            mantissa: short * mantissa.signum(),
+            exponent,
+        }
+    })
 }
 
 proptest! {
@@ -183,8 +172,7 @@ proptest! {
 /// Distances between samples, some beyond what vectors take.
 fn spacing() -> impl Strategy<Value = SoftFloat> {
     let exponent = prop_oneof![8 => -50i32..-26, 1 => -80i32..20];
-    (1i32 << 30..=i32::MAX, exponent)
-        .prop_map(|(mantissa, exponent)| SoftFloat { mantissa, exponent })
+    number(1i32 << 30..=i32::MAX, exponent)
 }
 
 /// A surface splat of a volume splat's bits: two of its axes, and the third as the normal.
@@ -210,9 +198,7 @@ fn check_surface<D: Design>(design: D, splats: &[SurfaceSplat], view: &View) {
 proptest! {
     #[test]
     fn surfaces_of_arbitrary_bits(splats in prop::collection::vec(splat(), 8..40)) {
-        let scene = synthetic::random_gaussians(10, 1, 1.0);
-        let camera = synthetic::camera(320, 200);
-        let view = QuantisedScene::new(&scene, &camera, &rules::Rules::GAUSSIAN_3D).view;
+        let view = quantised(10, &rules::Rules::GAUSSIAN_3D).view;
         let splats: Vec<SurfaceSplat> = splats.iter().map(surface_splat).collect();
         check_surface(Classic8, &splats, &view);
         check_surface(Lean18, &splats, &view);
@@ -233,13 +219,11 @@ fn ordinary_surfaces() {
 
 #[test]
 fn ordinary_splats() {
-    let scene = synthetic::random_gaussians(4_000, 5, 3.0);
-    let camera = synthetic::camera(320, 200);
     let ways = [rules::Rules::EWA, rules::Rules::GAUSSIAN_3D];
     // Of about a pixel's distance, so that some splats are enlarged and some are not.
     let spaced = ways.map(|rules| rules.with_antialias(rules::Antialias::Swan(0.012)));
     for rules in ways.into_iter().chain(spaced) {
-        let quantised = QuantisedScene::new(&scene, &camera, &rules);
-        check(Standard24, &quantised.splats, &kernel_rules(&rules));
+        let splats = quantised(4_000, &rules).splats;
+        check(Standard24, &splats, &kernel_rules(&rules));
     }
 }

@@ -15,7 +15,7 @@ use splatline::blend::surface::{Accumulation, Cell, Fragment, Sample, WeightedSu
 use splatline::draw::Coverage;
 use splatline::draw::surface::SurfacePainter;
 use splatline::footprint::surface::{Attributes, Plane, SurfaceFootprint, attribute_fraction};
-use splatline::format::{Standard24, Traversal, WIDTH_RANGES, Widths};
+use splatline::format::{Standard24, Traversal, Widths};
 use splatline::raster::Window;
 use splatline::rules::Rules;
 use splatline::setup::setup_surface;
@@ -196,19 +196,8 @@ fn arbitrary_surface(widths: Widths) -> impl Strategy<Value = SurfaceFootprint> 
     })
 }
 
-/// Widths near the named ones that a design file may have.
-fn allowed_widths() -> impl Strategy<Value = Widths> {
-    let most = |index: usize| WIDTH_RANGES[index].2;
-    usual_widths().prop_map(move |widths| Widths {
-        table: widths.table.min(most(5)),
-        weight: widths.weight.min(most(7)),
-        colour: widths.colour.min(most(11)),
-        ..widths
-    })
-}
-
 fn widths_and_surfaces() -> impl Strategy<Value = (Widths, Vec<SurfaceFootprint>)> {
-    allowed_widths().prop_flat_map(|widths| {
+    usual_widths().prop_flat_map(|widths| {
         let footprints = prop::collection::vec(arbitrary_surface(widths), 1..24);
         (Just(widths), footprints)
     })
@@ -235,7 +224,7 @@ proptest! {
 
     #[test]
     fn ordinary_points(
-        widths in allowed_widths(), count in 20usize..900, threshold in 0u32..1 << 24, tile in (0u16..3, 0u16..2),
+        widths in usual_widths(), count in 20usize..900, threshold in 0u32..1 << 24, tile in (0u16..3, 0u16..2),
     ) {
         let rules = surface_rules(0.1);
         let footprints = &ordinary(widths, &rules, count);
