@@ -197,8 +197,10 @@ pub trait Lanes: Copy + Send + Sync {
     /// The words from place `at` on; zeros if there are fewer than eight.
     #[inline(always)]
     fn read(self, from: &[i64], at: usize) -> Self::Word {
-        let words = from.get(at..).and_then(|rest| rest.first_chunk());
-        self.load(words.unwrap_or(&[0; 8]))
+        match from.get(at..).and_then(|rest| rest.first_chunk()) {
+            Some(words) => self.load(words),
+            None => self.splat(0),
+        }
     }
     /// Stores words from place `at` on; nothing if there is no room for eight.
     #[inline(always)]
