@@ -1,4 +1,5 @@
-//! Frames of deep scenes on one thread: time by stage, splats left out, and a digest by which two builds can be compared.
+//! Frames of deep scenes on one thread: time by stage, memory, splats left out, and a digest by which two builds can be
+//! compared.
 //!
 //! ```text
 //! cargo run --release -p splatline-engine --example frames [avx2|avx512|portable]
@@ -20,9 +21,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let level = std::env::args().nth(1).unwrap_or("avx2".into());
     let vectors: VectorLevel = level.parse()?;
     println!(
-        "{level}, the fastest of {ROUNDS} frames\n\n| splats | pixels | design | setup, ms | order, ms | pixels, ms | frame, ms | left out | digest |"
+        "{level}, the fastest of {ROUNDS} frames\n\n| splats | pixels | design | setup, ms | order, ms | pixels, ms | frame, ms | left out | MB | digest |"
     );
-    println!("|---|---|---|--:|--:|--:|--:|--:|---|");
+    println!("|---|---|---|--:|--:|--:|--:|--:|--:|---|");
     for (count, scale, columns, rows) in [
         (100_000, 1.0, 512, 512),
         (100_000, 2.5, 512, 512),
@@ -56,8 +57,9 @@ fn main() -> Result<(), Box<dyn Error>> {
             ]
             .map(|seconds| seconds * 1e3);
             println!(
-                "| {count} x {scale} | {columns} x {rows} | {name} | {setup:.1} | {order:.1} | {pixels:.1} | {whole:.1} | {} | {:016x} |",
+                "| {count} x {scale} | {columns} x {rows} | {name} | {setup:.1} | {order:.1} | {pixels:.1} | {whole:.1} | {} | {:.0} | {:016x} |",
                 facts.left_out,
+                renderer.bytes() as f64 / 1e6,
                 digest(&frame)
             );
         }

@@ -190,6 +190,13 @@ impl<S: Borrow<Scene>> Renderer<S> {
         self.memory.into_outcomes()
     }
 
+    /// Bytes held for splats and frames, without the scene itself.
+    pub fn bytes(&self) -> usize {
+        let spheres = self.spheres.as_ref().map_or(0, BoundingSpheres::bytes);
+        let splats = self.quantised.splats.capacity() * size_of::<VolumeSplat>();
+        self.memory.bytes() + spheres + splats
+    }
+
     /// Draws a frame of the kernel's pixels, row by row.
     pub fn draw(&mut self, frame: &mut [Pixel], progress: &Progress) -> Result<Drawn, DrawError> {
         self.draw_as(frame, progress, |pixel| *pixel)

@@ -252,6 +252,15 @@ impl FrameMemory {
         self.outcomes
     }
 
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        self.outcomes.capacity() * size_of::<Outcome>()
+            + self.pixels.capacity() * size_of::<Pixel>()
+            + self.order.bytes()
+            + self.slices.bytes()
+            + self.live.bytes()
+    }
+
     fn set_up(&mut self, splats: &[VolumeSplat], steps: &FrameSteps) -> CullCounts {
         if self.outcomes.len() != splats.len() {
             // In parallel: most of its time is the first touch of its memory.

@@ -327,6 +327,20 @@ impl TileOrder {
         lists.for_each(|list| list.indices.reverse());
     }
 
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        let part = |part: &ScenePart| {
+            part.keys.capacity() * size_of::<Key>()
+                + part.ends.capacity() * size_of::<u32>()
+                + part.entries.capacity() * size_of::<u64>()
+        };
+        let list = |list: &List| {
+            (list.entries.capacity() + list.spare.capacity()) * size_of::<u64>()
+                + list.indices.capacity() * size_of::<u32>()
+        };
+        self.parts.iter().map(part).sum::<usize>() + self.lists.iter().map(list).sum::<usize>()
+    }
+
     /// The splats of a tile.
     pub fn list(&self, tile: usize) -> &[u32] {
         self.lists.get(tile).map_or(&[], |list| &list.indices)

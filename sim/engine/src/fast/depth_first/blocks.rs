@@ -81,6 +81,11 @@ impl LiveBlocks {
         let inside = sum(right, bottom) + sum(left, top);
         inside != sum(left, bottom) + sum(right, top)
     }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        self.tiles.capacity() * size_of::<u64>() + self.sums.capacity() * size_of::<u32>()
+    }
 }
 
 /// A tile's blocks that have a pixel in work.

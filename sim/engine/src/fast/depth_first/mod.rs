@@ -122,6 +122,17 @@ impl Slices {
         }
         &self.seen
     }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        let part = |part: &SlicedPart| {
+            let slices = part.slices.iter().map(Vec::capacity).sum::<usize>();
+            slices * size_of::<Boxed>() + part.seen.capacity() * size_of::<u32>()
+        };
+        let parts = self.parts.iter().map(part).sum::<usize>();
+        let sample = self.sample.capacity() * size_of::<[f32; 2]>();
+        parts + sample + self.seen.capacity() * size_of::<u32>()
+    }
 }
 
 /// Deals out spheres to slices.

@@ -81,6 +81,11 @@ impl BoundingSpheres {
             filter: (number(rules.low_pass) * largest_cutoff(rules)) as f32,
         })
     }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        self.groups.capacity() * size_of::<Spheres>()
+    }
 }
 
 fn number(value: SoftFloat) -> f64 {
