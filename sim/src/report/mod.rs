@@ -8,18 +8,18 @@
 
 pub mod chart;
 pub mod error_map;
-pub mod facts;
-pub mod formats;
-pub mod frames;
-pub mod html;
+pub(crate) mod facts;
+pub(crate) mod formats;
+pub(crate) mod frames;
+pub(crate) mod html;
 pub mod machine;
 pub(crate) mod labels;
-pub mod photos;
-pub mod plot;
+pub(crate) mod photos;
+pub(crate) mod plot;
 pub mod png;
-pub mod scale;
-pub mod shell;
-pub mod table;
+pub(crate) mod scale;
+pub(crate) mod shell;
+pub(crate) mod table;
 pub(crate) mod viewer;
 
 use crate::camera::CameraFile;
