@@ -46,7 +46,6 @@ const ABOUT: [&str; WIDTH_RANGES.len()] = [
 
 /// What a page shows.
 pub struct Shown<'a> {
-    /// The splats.
     pub scene: &'a Scene,
     /// The first view.
     pub camera: &'a Camera,
@@ -58,7 +57,6 @@ pub struct Shown<'a> {
     pub up: [f64; 3],
 }
 
-/// The whole file.
 pub fn html(shown: &Shown) -> Result<String> {
     let splats = shown.scene.splats.len();
     ensure!(

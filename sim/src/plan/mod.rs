@@ -9,7 +9,7 @@
 //! it, and [`Prepared::from_file`] reads either and loads its scene, so that what a report shows can be drawn again bit
 //! for bit. Its [`Technique`] is which of the papers' systems draw it. Each step sees only what the step before gave
 //! it: [`load`] turns a [`Source`] into a scene of any kind, [`draw`] (the kernel) and `reference` a [`Prepared`] plan
-//! into a [`Drawing`], [`measure`] repeats and compares drawings, [`record`] states them as a report, and [`golden`] as
+//! into a [`Drawing`], [`measure`] repeats and compares drawings, `record` states them as a report, and [`golden`] as
 //! a line of the table that every change is held against.
 
 pub mod draw;

@@ -6,7 +6,7 @@
 //! pixels are counted once per splat that visits them.
 //! JSON knows neither infinity nor NaN: the PSNR of identical pictures is `null` beside `"identical": true`.
 
-pub mod chart;
+pub(crate) mod chart;
 pub mod error_map;
 pub(crate) mod facts;
 pub(crate) mod formats;
@@ -21,6 +21,8 @@ pub(crate) mod scale;
 pub(crate) mod shell;
 pub(crate) mod table;
 pub(crate) mod viewer;
+
+pub use chart::alone;
 
 use crate::camera::CameraFile;
 use crate::design::ResolvedDesign;

@@ -13,7 +13,6 @@ type VcdPlace = (u32, Stage, u32);
 /// What changes at a place in a cycle: items that come or go, and the splat that came last.
 type Change = (i64, Option<u32>);
 
-/// The dump of some events.
 pub fn dump(events: &[Event]) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     let mut writer = Writer::new(&mut bytes);
