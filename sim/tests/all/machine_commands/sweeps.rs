@@ -148,26 +148,17 @@ fn a_sweep_of_anything_else_is_not_resumed() {
     refused("program.sources_sha256", "");
 }
 
+/// One of the alterations that the table's own tests try.
 #[test]
 fn an_altered_sweep_is_not_resumed() {
     let shell = Shell::new();
     shell.write("s.toml", "[machine]\nrow_fifo = [1, 2, 3, 4]\n");
     let sweep = "explore SCENE --space s.toml -o out";
     shell.results(sweep);
-    let sound = shell.read("out/points.csv");
-    let altered = |from: &str, to: &str, expected: &str| {
-        shell.write("out/points.csv", sound.replacen(from, to, 1));
-        let printed = shell.refused(1, sweep, "points.csv");
-        holds(&printed, &[expected]);
-    };
-    altered(
-        "\n2,3,",
-        "\n2,4,",
-        "row_fifo is '4', in the space it is '3'",
-    );
-    altered("\n2,3,", "\n2,3,NaN", "psnr_db is 'NaN");
-    let row = sound.lines().nth(1).unwrap();
-    altered(row, &format!("{row}\n{row}"), "a second time");
+    let altered = shell.read("out/points.csv").replacen("\n2,3,", "\n2,4,", 1);
+    shell.write("out/points.csv", altered);
+    let printed = shell.refused(1, sweep, "points.csv");
+    holds(&printed, &["row_fifo is '4', in the space it is '3'"]);
 }
 
 /// A scene that nobody sees is swept, and its rows are read again.
