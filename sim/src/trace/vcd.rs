@@ -84,11 +84,7 @@ fn header(
 /// The bits of a number from its highest one.
 fn bits(number: u32) -> impl Iterator<Item = Value> {
     let count = (u32::BITS - number.leading_zeros()).max(1);
-    (0..count).rev().map(move |bit| {
-        if number >> bit & 1 == 1 {
-            Value::V1
-        } else {
-            Value::V0
-        }
-    })
+    (0..count)
+        .rev()
+        .map(move |bit| Value::from(number >> bit & 1 == 1))
 }

@@ -10,76 +10,39 @@ pub mod readers;
 pub mod seeds;
 
 use super::shell::{files_below, holds};
-use seeds::few_vectors;
+use seeds::{few_vectors, seed};
 use splatline_sim::camera::Camera;
 use splatline_sim::scene::points;
 use splatline_sim::vectors::{export, verify};
 use std::path::{Path, PathBuf};
 
-/// Calls `read` with a file of each proper prefix of `whole`; its answer is "did that succeed?". Lengths that
+/// Calls `read` with a file of each proper prefix of the seed; its answer is "did that succeed?". Lengths that
 /// succeeded.
-fn lengths_read(name: &str, whole: &[u8], read: impl Fn(&Path) -> bool) -> Vec<usize> {
+fn lengths_read(name: &str, read: fn(&Path) -> bool) -> Vec<usize> {
     let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join(name);
-    std::fs::write(&path, whole).unwrap();
+    let (path, whole) = (folder.path().join(name), seed(name));
+    std::fs::write(&path, &whole).unwrap();
     assert!(read(&path), "{name} is sound as a whole");
-    let mut sound = Vec::new();
-    for length in 0..whole.len() {
-        std::fs::write(&path, &whole[..length]).unwrap();
-        if read(&path) {
-            sound.push(length);
-        }
-    }
-    sound
+    let succeeds = |length: &usize| {
+        std::fs::write(&path, &whole[..*length]).unwrap();
+        read(&path)
+    };
+    (0..whole.len()).filter(succeeds).collect()
 }
 
-fn is_cloud(path: &Path) -> bool {
-    points::load(path).is_ok()
-}
-
-const CLOUD_HEADER: &str =
-    "element vertex 4\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
-
-fn binary_cloud() -> Vec<u8> {
-    let places: [f32; 12] = [0., 0., 5., 1., 0., 5., 0., 1., 5., 1., 1., 5.];
-    let header = format!("ply\nformat binary_little_endian 1.0\n{CLOUD_HEADER}");
-    [header.into_bytes(), places.map(f32::to_le_bytes).concat()].concat()
-}
-
+/// Of a text whose last line is complete without its end, that may be missing. Lines of numbers have no count before
+/// them, so that a cut after the third of four leaves a smaller cloud.
 #[test]
-fn a_point_cloud_cut_anywhere_is_refused() {
-    assert_eq!(lengths_read("cloud.ply", &binary_cloud(), is_cloud), [0; 0]);
-    let text = format!("ply\nformat ascii 1.0\n{CLOUD_HEADER}0 0 5\n1 0 5\n0 1 5\n1 1 5\n");
-    // Not even the last line's end may be missing: the number before it could be half a number.
-    assert_eq!(lengths_read("cloud.ply", text.as_bytes(), is_cloud), [0; 0]);
-}
-
-/// Lines have no count before them, so a cut after the third line leaves a smaller cloud; a cut within a number is a
-/// number too.
-#[test]
-fn lines_of_numbers_cut_anywhere_are_refused_or_a_smaller_cloud() {
-    let lines = [
-        "0 0 5 0 0 1\n",
-        "1 0 5 0 0 1\n",
-        "0 1 5 0 0 1\n",
-        "1 1 5 0 0 1\n",
-    ];
-    let whole = lines.concat();
-    let three = lines[..3].concat().len();
-    let sound = lengths_read("cloud.xyz", whole.as_bytes(), is_cloud);
-    let line = lines[3].len();
-    let four = whole.len();
-    assert_eq!(sound, [three - 1, three, four - 1], "lines of {line} bytes");
-}
-
-#[test]
-fn a_camera_file_cut_anywhere_is_refused() {
-    let camera = Camera::look_at([0.0, -5.0, -8.0], [0.0; 3], [0.0, -1.0, 0.0], 60.0, 32, 24);
-    let text = camera.unwrap().to_json();
-    let sound = lengths_read("camera.json", text.trim_end().as_bytes(), |path| {
-        Camera::corrected_from_json_file(path).is_ok()
-    });
-    assert_eq!(sound, [0; 0]);
+fn clouds_and_cameras_cut_anywhere_are_refused() {
+    let is_cloud = |path: &Path| points::load(path).is_ok();
+    assert_eq!(lengths_read("cloud.ply", is_cloud), [0; 0]);
+    let four = seed("cloud.xyz").len();
+    let three = 3 * four / 4;
+    let sound = lengths_read("cloud.xyz", is_cloud);
+    assert_eq!(sound, [three - 1, three, four - 1]);
+    let is_camera = |path: &Path| Camera::corrected_from_json_file(path).is_ok();
+    let end = seed("camera.json").len() - 1;
+    assert_eq!(lengths_read("camera.json", is_camera), [end]);
 }
 
 #[test]
