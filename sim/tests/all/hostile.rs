@@ -30,8 +30,8 @@ fn lengths_read(name: &str, read: fn(&Path) -> bool) -> Vec<usize> {
     (0..whole.len()).filter(succeeds).collect()
 }
 
-/// Of a text whose last line is complete without its end, that may be missing. Lines of numbers have no count before
-/// them, so that a cut after the third of four leaves a smaller cloud.
+/// Lines of numbers have no count before them, so a cut after the third of four leaves a smaller cloud, and the last
+/// line's end may be missing.
 #[test]
 fn clouds_and_cameras_cut_anywhere_are_refused() {
     let is_cloud = |path: &Path| points::load(path).is_ok();
@@ -41,8 +41,7 @@ fn clouds_and_cameras_cut_anywhere_are_refused() {
     let sound = lengths_read("cloud.xyz", is_cloud);
     assert_eq!(sound, [three - 1, three, four - 1]);
     let is_camera = |path: &Path| Camera::corrected_from_json_file(path).is_ok();
-    let end = seed("camera.json").len() - 1;
-    assert_eq!(lengths_read("camera.json", is_camera), [end]);
+    assert_eq!(lengths_read("camera.json", is_camera), [0; 0]);
 }
 
 #[test]
