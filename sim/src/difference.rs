@@ -12,7 +12,6 @@ pub struct Difference {
     pub place: String,
     /// The first one's value there, shortened.
     pub first: String,
-    /// The second one's.
     pub second: String,
 }
 

@@ -5,7 +5,7 @@
 //! seen by a [`camera`] under [`rules`]); the engine's crate draws it through the kernel ([`fixed`], a [`Renderer`]
 //! many frames of it), and [`reference`](mod@reference) in double precision, both into a [`picture`]; [`metrics`]
 //! compares two pictures; the crate of the [`machine`] counts cycles, [`explore`] searches designs and machines,
-//! [`trace`] and [`vectors`] write what other tools read, and [`report`] and the live [`page`] tell people about it.
+//! `trace` and [`vectors`] write what other tools read, and [`report`] and the live `page` tell people about it.
 //! [`cli`] is the command line over all of them.
 
 pub use splatline_engine::{Renderer, design, fast, fixed, renderer, threads};
@@ -18,14 +18,14 @@ pub use splatline_reference::{
 
 pub mod bake;
 pub mod cli;
-pub mod difference;
-pub mod digest;
+mod difference;
+mod digest;
 pub mod explore;
-pub mod page;
+mod page;
 pub mod plan;
 pub mod progress;
 pub mod report;
 pub mod stability;
 pub mod systems;
-pub mod trace;
+mod trace;
 pub mod vectors;

@@ -8,13 +8,9 @@ use splatline_sim::plan::golden::worst;
 /// What a design must reach: PSNR in dB at least, largest error and bias in units of 1.0 at most.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bar {
-    /// Name of the design.
     pub design: &'static str,
-    /// Decibels.
     pub psnr_db: f64,
-    /// Units of 1.0.
     pub max_abs: f64,
-    /// Units of 1.0, either sign.
     pub bias: f64,
     /// Decibels on the deep stack, for which nothing else is asked.
     pub deep_stack_db: f64,
@@ -53,7 +49,6 @@ pub const CONIC_BARS: [(&str, f64); 2] = [("standard24", 1e-4), ("deep32", 2e-6)
 
 /// The float engine's bars: conics relative, pictures in units of 1.0.
 pub const FLOAT_CONIC: f64 = 1e-9;
-/// See [`FLOAT_CONIC`].
 pub const FLOAT_PICTURE: f64 = 2e-5;
 
 /// The picture of another renderer must agree to this.
@@ -62,17 +57,12 @@ pub const TINY_DB: f64 = 40.0;
 /// One design by one traversal on one scene.
 #[derive(Clone, Debug)]
 pub struct Measurement {
-    /// Name of the view.
     pub view: &'static str,
-    /// Name of the design.
     pub design: String,
-    /// Traversal.
     pub traversal: Traversal,
     /// Against the float reference.
     pub errors: Errors,
-    /// Pixels visited and covered.
     pub visited: u64,
-    /// Pixels covered.
     pub covered: u64,
 }
 
@@ -108,3 +98,7 @@ pub fn verdict(met: Option<bool>) -> String {
     }
     .to_owned()
 }
+
+#[cfg(test)]
+#[path = "bars_tests.rs"]
+mod tests;

@@ -35,12 +35,6 @@ pub struct GalleryOptions {
     pub output: PathBuf,
 }
 
-/// A plan's text as a page shows it.
-struct Caption {
-    title: String,
-    text: String,
-}
-
 /// Draws all plans and writes the page.
 pub fn run(options: &GalleryOptions) -> Result<()> {
     create_folder(&options.output)?;
@@ -80,15 +74,14 @@ fn panels(comparison: &Comparison) -> Rgb {
     beside(&[fixed, float, comparison.map.to_rgb()])
 }
 
-fn caption(name: &str, text: &str) -> Caption {
+/// A plan's title and text as a page shows them.
+fn caption(name: &str, text: &str) -> (String, String) {
     let mut lines = text
         .lines()
         .map_while(|line| line.strip_prefix('#'))
         .map(str::trim);
-    Caption {
-        title: lines.next().unwrap_or(name).to_owned(),
-        text: lines.collect::<Vec<_>>().join(" "),
-    }
+    let title = lines.next().unwrap_or(name).to_owned();
+    (title, lines.collect::<Vec<_>>().join(" "))
 }
 
 fn heading(options: &GalleryOptions) -> String {
@@ -101,7 +94,7 @@ fn heading(options: &GalleryOptions) -> String {
 }
 
 /// A plan's heading, picture and figures.
-fn section(name: &str, Caption { title, text }: &Caption, comparison: &Comparison) -> String {
+fn section(name: &str, (title, text): &(String, String), comparison: &Comparison) -> String {
     let mut section = format!("\n## {title}\n\n{text}\n\n![{title}]({name}.png)\n");
     if let Some(error) = &comparison.report.error {
         section += "\n| | PSNR dB | largest error | bias |\n|---|--:|--:|--:|\n";
@@ -127,15 +120,10 @@ mod tests {
 
     #[test]
     fn a_plans_comment_is_its_heading_and_caption() {
-        let Caption { title, text } = caption(
-            "x",
-            "# A sphere\n# Half of it\n# is glossy.\n\n[source]\n# not this\n",
-        );
-        assert_eq!(
-            (title.as_str(), text.as_str()),
-            ("A sphere", "Half of it is glossy.")
-        );
-        assert_eq!(caption("x", "[source]\n").title, "x");
+        let plan = "# A sphere\n# Half of it\n# is glossy.\n\n[source]\n# not this\n";
+        let (title, text) = caption("x", plan);
+        assert_eq!([&*title, &*text], ["A sphere", "Half of it is glossy."]);
+        assert_eq!(caption("x", "[source]\n").0, "x");
     }
 
     #[test]

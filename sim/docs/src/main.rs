@@ -1,10 +1,26 @@
-//! `splatline-docs`: prints the documentation's pages of figures and its galleries.
+//! What prints splatline's documentation: `cargo run --release -p splatline-docs -- results` and `... gallery` print
+//! `docs/results` and `docs/gallery`. Nobody needs it to use the simulator, so it is a program of its own, outside the
+//! workspace's default members.
+//!
+//! ```text
+//! views (scenes and cameras) -> what the commands run -> pages (tables as Markdown and CSV) -> docs/results
+//! ```
+//!
+//! [`bars`] has what must be reached, [`rasterizer`] what speed is compared with, [`gallery`] every system's plans as
+//! pictures.
+
+mod bars;
+mod gallery;
+mod pages;
+mod rasterizer;
+mod table;
+mod views;
 
 use anyhow::Result;
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use splatline_docs::gallery::{self, GALLERY_EXAMPLES, GalleryOptions};
-use splatline_docs::pages::check::differences;
-use splatline_docs::pages::{Page, accuracy, machines, packet, picture, speed, systems, widths};
+use gallery::{GALLERY_EXAMPLES, GalleryOptions};
+use pages::check::differences;
+use pages::{Page, accuracy, machines, packet, picture, speed, systems, widths};
 use splatline_sim::cli::{create_folder, finish, print_result, write};
 use splatline_sim::fast::lanes::VectorLevel;
 use std::path::{Path, PathBuf};

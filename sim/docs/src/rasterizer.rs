@@ -78,7 +78,6 @@ pub struct FloatScene {
 pub struct FloatDrawing {
     /// Premultiplied red, green, blue and transmittance, row-major.
     pub frame: Vec<[f32; 4]>,
-    /// Time taken.
     pub times: Times,
 }
 

@@ -10,15 +10,14 @@ pub struct Table {
 }
 
 impl Table {
-    /// No rows yet.
-    pub fn new(headings: &[&str]) -> Table {
+    /// Without rows; headings stand in a line with ` | ` between them, as they are printed.
+    pub fn new(headings: &str) -> Table {
         Table {
-            headings: headings.iter().map(ToString::to_string).collect(),
+            headings: headings.split(" | ").map(str::to_owned).collect(),
             rows: Vec::new(),
         }
     }
 
-    /// Adds a row.
     pub fn push(&mut self, cells: impl IntoIterator<Item = String>) {
         self.rows.push(cells.into_iter().collect());
     }
@@ -29,7 +28,6 @@ impl Table {
         self.push(words.chain(cells));
     }
 
-    /// The rows.
     pub fn rows(&self) -> &[Vec<String>] {
         &self.rows
     }
@@ -78,7 +76,7 @@ mod tests {
 
     #[test]
     fn a_table_is_laid_out_both_ways_and_some_of_its_rows_alone() {
-        let mut table = Table::new(&["machine", "scene", "cycles"]);
+        let mut table = Table::new("machine | scene | cycles");
         table.push(["4 lanes, rows", "guitar", "7"].map(str::to_owned));
         table.push(["1 lane", "lion", "9"].map(str::to_owned));
         assert_eq!(

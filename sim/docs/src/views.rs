@@ -25,11 +25,8 @@ pub const LION: &str = "lion";
 pub struct View {
     /// Name in tables.
     pub name: &'static str,
-    /// The scene.
     pub scene: Scene,
-    /// The camera.
     pub camera: Camera,
-    /// Rules of blending.
     pub rules: Rules,
 }
 
@@ -61,7 +58,6 @@ const PLACES: [Place; 7] = [
 ];
 
 impl View {
-    /// A scene by itself.
     pub fn new(name: &'static str, scene: Scene, camera: Camera) -> View {
         let rules = scene.natural_rules;
         View {

@@ -6,6 +6,7 @@
 
 use crate::bytes;
 use crate::camera::Camera;
+use crate::order::Grid;
 use crate::quantise::{QuantisedScene, view};
 use crate::rules::{Compositing, Rules};
 use crate::scene::Scene;
@@ -21,7 +22,7 @@ use splatline_reference::engines::float;
 use splatline_reference::picture::Picture;
 
 /// Columns and rows of the host's tiles.
-const TILE: usize = 64;
+const TILE: u16 = 64;
 /// Footprints that the host paints between two checks whether a tile has finished.
 const CHECK_INTERVAL: usize = 64;
 
@@ -83,18 +84,13 @@ impl FixedPicture {
         traversal: Traversal,
     ) -> FixedPicture {
         let quantised = loaded.quantised(camera);
-        let rules = quantised.rules;
-        let view = PageRequest {
-            quantised,
-            rules: &rules,
-            camera,
-            traversal,
-        };
         // The widths of a named design as constants: the same bits in less time.
         let painted = match design.widths() {
-            widths if widths == Lean18::WIDTHS => view.draw(Lean18),
-            widths if widths == Standard24::WIDTHS => view.draw(Standard24),
-            _ => view.draw(design),
+            widths if widths == Lean18::WIDTHS => paint_all(Lean18, quantised, camera, traversal),
+            widths if widths == Standard24::WIDTHS => {
+                paint_all(Standard24, quantised, camera, traversal)
+            }
+            _ => paint_all(design, quantised, camera, traversal),
         };
         let pixels = &painted.pixels;
         let picture = picture_of(pixels, camera, &design.widths(), quantised.colour_log2);
@@ -106,18 +102,10 @@ impl FixedPicture {
             culled: painted.footprints.iter().filter(|f| f.is_err()).count(),
             painted,
             design,
-            rules,
+            rules: quantised.rules,
             traversal,
         }
     }
-}
-
-/// What is drawn, whatever the widths.
-struct PageRequest<'a> {
-    quantised: &'a QuantisedScene,
-    rules: &'a splatline::rules::Rules,
-    camera: &'a Camera,
-    traversal: Traversal,
 }
 
 /// What setup and raster made of it.
@@ -129,35 +117,38 @@ pub struct PaintedTiles {
     pub coverage: Coverage,
 }
 
-impl PageRequest<'_> {
-    fn draw<D: Design>(&self, design: D) -> PaintedTiles {
-        let (rules, camera) = (self.rules, self.camera);
-        let (quantised, widths) = (self.quantised, design.widths());
-        let splats = quantised.splats.iter();
-        let mut footprints: Vec<_> = splats
-            .map(|splat| setup(design, &quantised.view, rules, splat))
-            .collect();
-        quantised.sort_keys(&widths, &quantised.splats, &mut footprints);
-        let tiles = PageTiles::new([camera.width, camera.height]);
-        let lists = tiles.lists(&footprints);
-        let memory = table(&widths, rules);
-        let painter = painter(design, rules, &memory, self.traversal);
-        let mut pixels = vec![Pixel::clear(&widths); camera.width * camera.height];
-        let mut coverage = Coverage::default();
-        for (tile, list) in lists.iter().enumerate() {
-            let window = tiles.window(tile);
-            let start = usize::from(window.first[1]) * camera.width + usize::from(window.first[0]);
-            let Ok(mut target) = Target::new(&mut pixels[start..], window, camera.width) else {
-                continue;
-            };
-            coverage += paint(&painter, &footprints, list, &mut target);
-        }
-        PaintedTiles {
-            footprints,
-            lists,
-            pixels,
-            coverage,
-        }
+/// Sets all splats up and paints all tiles.
+fn paint_all<D: Design>(
+    design: D,
+    quantised: &QuantisedScene,
+    camera: &Camera,
+    traversal: Traversal,
+) -> PaintedTiles {
+    let (rules, widths) = (&quantised.rules, design.widths());
+    let splats = quantised.splats.iter();
+    let mut footprints: Vec<_> = splats
+        .map(|splat| setup(design, &quantised.view, rules, splat))
+        .collect();
+    quantised.sort_keys(&widths, &quantised.splats, &mut footprints);
+    let grid = grid([camera.width, camera.height]);
+    let lists = lists(&grid, &footprints);
+    let memory = table(&widths, rules);
+    let painter = painter(design, rules, &memory, traversal);
+    let mut pixels = vec![Pixel::clear(&widths); camera.width * camera.height];
+    let mut coverage = Coverage::default();
+    for (tile, list) in lists.iter().enumerate() {
+        let window = grid.window(tile);
+        let start = usize::from(window.first[1]) * camera.width + usize::from(window.first[0]);
+        let Ok(mut target) = Target::new(&mut pixels[start..], window, camera.width) else {
+            continue;
+        };
+        coverage += paint(&painter, &footprints, list, &mut target);
+    }
+    PaintedTiles {
+        footprints,
+        lists,
+        pixels,
+        coverage,
     }
 }
 
@@ -218,55 +209,25 @@ fn paint<D: Design>(
     coverage
 }
 
-/// The screen in tiles, row by row.
-pub struct PageTiles {
-    viewport: [usize; 2],
-    columns: usize,
+/// The screen in the host's tiles.
+pub fn grid([width, height]: [usize; 2]) -> Grid {
+    Grid::new([width as u16, height as u16], [TILE; 2])
 }
 
-impl PageTiles {
-    pub fn new(viewport: [usize; 2]) -> PageTiles {
-        PageTiles {
-            viewport,
-            columns: viewport[0].div_ceil(TILE),
+/// For every tile the splats whose box touches it, nearest first, ties by index.
+fn lists(grid: &Grid, footprints: &[Result<Footprint, Cull>]) -> Vec<Vec<u32>> {
+    let drawn = footprints.iter().zip(0..);
+    let drawn = drawn.filter_map(|(footprint, index)| Some((footprint.as_ref().ok()?, index)));
+    let mut order: Vec<(&Footprint, u32)> = drawn.collect();
+    order.sort_unstable_by_key(|(footprint, index)| (footprint.depth, *index));
+    let mut lists = vec![Vec::new(); grid.len()];
+    for (footprint, index) in order {
+        let bounds = Window::of(footprint);
+        if !bounds.is_empty() {
+            grid.touched(&bounds, |tile| lists[tile].push(index));
         }
     }
-
-    /// The tile that holds a pixel.
-    pub fn at(&self, x: usize, y: usize) -> usize {
-        y / TILE * self.columns + x / TILE
-    }
-
-    fn window(&self, tile: usize) -> Window {
-        let first = [tile % self.columns * TILE, tile / self.columns * TILE];
-        let last = [0, 1].map(|axis| (first[axis] + TILE).min(self.viewport[axis]) as u16);
-        Window {
-            first: first.map(|pixel| pixel as u16),
-            end: last,
-        }
-    }
-
-    /// For every tile the splats whose box touches it, nearest first, ties by index.
-    fn lists(&self, footprints: &[Result<Footprint, Cull>]) -> Vec<Vec<u32>> {
-        let drawn = footprints.iter().zip(0..);
-        let drawn = drawn.filter_map(|(footprint, index)| Some((footprint.as_ref().ok()?, index)));
-        let mut order: Vec<(&Footprint, u32)> = drawn.collect();
-        order.sort_unstable_by_key(|(footprint, index)| (footprint.depth, *index));
-        let mut lists = vec![Vec::new(); self.columns * self.viewport[1].div_ceil(TILE)];
-        for (footprint, index) in order {
-            if Window::of(footprint).is_empty() {
-                continue;
-            }
-            let [left, top] = footprint.first.map(|pixel| usize::from(pixel) / TILE);
-            let [right, bottom] = footprint.end.map(|pixel| usize::from(pixel - 1) / TILE);
-            for y in top..=bottom {
-                for x in left..=right {
-                    lists[y * self.columns + x].push(index);
-                }
-            }
-        }
-        lists
-    }
+    lists
 }
 
 fn picture_of(pixels: &[Pixel], camera: &Camera, widths: &Widths, colour_log2: i32) -> Picture {

@@ -1,9 +1,9 @@
 //! How far the kernel's picture is from the reference: figures, colours and the histogram of the signed error.
 //!
-//! The figures are those of the host's `metrics` without SSIM, which takes longer than drawing. The host's are not
-//! called because they come with it.
+//! The figures are sums of the host's `metrics` without SSIM, which takes longer than drawing.
 
 use crate::draw::{FixedPicture, FloatPicture};
+use crate::metrics::SampleSums;
 use crate::scale::{ErrorScale, colour};
 
 /// What [`Compared::figures`] holds, in this order; the page's script reads them by place.
@@ -36,8 +36,6 @@ pub struct Compared {
     pub figures: [f64; NAMES.len()],
     pub histogram: Vec<f64>,
     pub rgba: Vec<u8>,
-    errors: [f64; 7],
-    scale: ErrorScale,
 }
 
 impl Compared {
@@ -72,46 +70,36 @@ impl Compared {
             let [r, g, b] = shades[(shade + 0.5) as usize];
             rgba.extend([r, g, b, 255]);
         }
+        let mut figures = [0.0; NAMES.len()];
+        figures[..7].copy_from_slice(&errors);
+        figures[13..].copy_from_slice(&[scale.limit, scale.knee, scale.outliers as f64]);
         Compared {
-            figures: [0.0; NAMES.len()],
+            figures,
             histogram,
             rgba,
-            errors,
-            scale,
         }
     }
 
     /// Brings the figures up to date with the kernel's last picture.
     pub fn tell(&mut self, fixed: Option<&FixedPicture>) {
         let Some(fixed) = fixed else { return };
-        let [psnr, largest, bias, x, y, psnr_covered, bias_covered] = self.errors;
         let (painted, culled) = (&fixed.painted, fixed.culled);
         let drawn = painted.footprints.len() - culled;
-        self.figures = [
-            psnr,
-            largest,
-            bias,
-            x,
-            y,
-            psnr_covered,
-            bias_covered,
+        self.figures[7..13].copy_from_slice(&[
             painted.coverage.visited as f64,
             painted.coverage.covered as f64,
             drawn as f64,
             culled as f64,
             (fixed.checksum >> 32) as f64,
             (fixed.checksum & u64::from(u32::MAX)) as f64,
-            self.scale.limit,
-            self.scale.knee,
-            self.scale.outliers as f64,
-        ];
+        ]);
     }
 }
 
 /// Per pixel the difference of the colour channel that differs most; then PSNR, largest, bias, its place, PSNR and bias
 /// over covered pixels.
 fn errors(fixed: &FixedPicture, float: &FloatPicture) -> (Vec<f64>, [f64; 7]) {
-    let (mut whole, mut covered) = (ErrorSums::default(), ErrorSums::default());
+    let (mut whole, mut covered) = (SampleSums::default(), SampleSums::default());
     let mut at = 0;
     let mut differences = Vec::with_capacity(fixed.picture.pixels.len());
     let pairs = fixed.picture.pixels.iter().zip(&float.picture.pixels);
@@ -120,7 +108,7 @@ fn errors(fixed: &FixedPicture, float: &FloatPicture) -> (Vec<f64>, [f64; 7]) {
         let mut worst = 0.0f64;
         for channel in 0..3 {
             let difference = a[channel].clamp(0.0, 1.0) - b[channel].clamp(0.0, 1.0);
-            if difference.abs() > whole.largest {
+            if difference.abs() > whole.most {
                 at = index;
             }
             whole.add(difference);
@@ -135,39 +123,13 @@ fn errors(fixed: &FixedPicture, float: &FloatPicture) -> (Vec<f64>, [f64; 7]) {
     }
     let width = fixed.picture.width.max(1);
     let figures = [
-        whole.psnr(),
-        whole.largest,
-        whole.bias(),
+        whole.psnr_db(),
+        whole.most,
+        whole.mean(),
         (at % width) as f64,
         (at / width) as f64,
-        covered.psnr(),
-        covered.bias(),
+        covered.psnr_db(),
+        covered.mean(),
     ];
     (differences, figures)
-}
-
-#[derive(Default)]
-struct ErrorSums {
-    count: f64,
-    sum: f64,
-    squares: f64,
-    largest: f64,
-}
-
-impl ErrorSums {
-    fn add(&mut self, difference: f64) {
-        self.count += 1.0;
-        self.sum += difference;
-        self.squares += difference * difference;
-        self.largest = self.largest.max(difference.abs());
-    }
-
-    /// Decibels; infinite without a difference.
-    fn psnr(&self) -> f64 {
-        -10.0 * (self.squares / self.count.max(1.0)).log10()
-    }
-
-    fn bias(&self) -> f64 {
-        self.sum / self.count.max(1.0)
-    }
 }

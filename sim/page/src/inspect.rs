@@ -1,30 +1,24 @@
 //! The splat under the pointer: which one it is, and its packet, field by field.
 
-use crate::draw::{FixedPicture, LoadedScene, PageTiles, painter, table};
+use crate::draw::{FixedPicture, LoadedScene, grid, painter, table};
 use splatline::blend::Pixel;
+use splatline::footprint::Footprint;
 use splatline::footprint::packet::Layout;
 use splatline::format::Design;
 use splatline::raster::Window;
 use splatline::target::Target;
-use std::fmt::Write;
-
-/// A splat of a pixel.
-pub struct Picked {
-    pub splat: u32,
-    /// Its part of the pixel's light, 0 to 1.
-    share: f64,
-    /// Its place among the splats that cover the pixel, from 1, and their number.
-    place: usize,
-    covering: usize,
-    centre: [f64; 3],
-}
 
 /// The splat that takes the largest share of the pixel's transmittance, found by drawing the pixel's splats once more,
-/// into that pixel alone.
-pub fn heaviest(fixed: &FixedPicture, loaded: &LoadedScene, x: u32, y: u32) -> Option<Picked> {
+/// into that pixel alone. With it as JSON its part of the pixel's light, 0 to 1, its place among the splats that cover
+/// the pixel, from 1, their number, and its packet.
+pub fn heaviest(
+    fixed: &FixedPicture,
+    loaded: &LoadedScene,
+    x: u32,
+    y: u32,
+) -> Option<(u32, String)> {
     let (width, height) = (fixed.picture.width, fixed.picture.height);
-    let (column, row) = (x as usize, y as usize);
-    if column >= width || row >= height {
+    if x as usize >= width || y as usize >= height {
         return None;
     }
     let widths = fixed.design.widths();
@@ -36,7 +30,8 @@ pub fn heaviest(fixed: &FixedPicture, loaded: &LoadedScene, x: u32, y: u32) -> O
     };
     let mut pixel = [Pixel::clear(&widths)];
     let (mut best, mut covering) = (None, 0);
-    let tile = PageTiles::new([width, height]).at(column, row);
+    let mut tile = 0;
+    grid([width, height]).touched(&window, |touched| tile = touched);
     for &splat in fixed.painted.lists.get(tile)? {
         let Ok(footprint) = &fixed.painted.footprints[splat as usize] else {
             continue;
@@ -53,40 +48,28 @@ pub fn heaviest(fixed: &FixedPicture, loaded: &LoadedScene, x: u32, y: u32) -> O
         }
     }
     let (splat, share, place) = best?;
-    Some(Picked {
+    let share = f64::from(share) / f64::from(1u32 << widths.transmittance);
+    let [x, y, z] = loaded.centre(splat);
+    let found = format!(
+        "\"splat\":{splat},\"share\":{share},\"place\":{place},\"covering\":{covering},\"centre\":[{x},{y},{z}]"
+    );
+    let footprint = fixed.painted.footprints[splat as usize].as_ref().ok()?;
+    Some((
         splat,
-        share: f64::from(share) / f64::from(1u32 << widths.transmittance),
-        place,
-        covering,
-        centre: loaded.centre(splat),
-    })
+        format!("{{{found},{}}}", packet_json(fixed, footprint)),
+    ))
 }
 
 /// The packet as JSON: fields with their bits, most significant first.
-pub fn packet_json(fixed: &FixedPicture, picked: &Picked) -> String {
-    let mut text = String::new();
-    let Some(Ok(footprint)) = fixed.painted.footprints.get(picked.splat as usize) else {
-        return text;
-    };
+fn packet_json(fixed: &FixedPicture, footprint: &Footprint) -> String {
     let layout = Layout::new(&fixed.design.widths(), fixed.traversal);
     let packet = layout.encode(footprint);
-    let [x, y, z] = picked.centre;
-    // Writing to a String cannot fail.
-    let _ = write!(
-        text,
-        "{{\"splat\":{},\"share\":{},\"place\":{},\"covering\":{},\"centre\":[{x},{y},{z}],\"bits\":{},\"words\":{},\"fields\":[",
-        picked.splat,
-        picked.share,
-        picked.place,
-        picked.covering,
-        layout.bits(),
-        layout.words()
-    );
+    let (bits, words) = (layout.bits(), layout.words());
+    let mut text = format!("\"bits\":{bits},\"words\":{words},\"fields\":[");
     let present = layout.fields().iter().filter(|field| field.width > 0);
     for (index, field) in present.enumerate() {
         let comma = if index == 0 { "" } else { "," };
-        let _ = write!(
-            text,
+        text += &format!(
             "{comma}{{\"name\":\"{}\",\"offset\":{},\"width\":{},\"signed\":{},\"fraction\":{},\"bits\":\"",
             field.name, field.offset, field.width, field.signed, field.fraction
         );
@@ -97,6 +80,5 @@ pub fn packet_json(fixed: &FixedPicture, picked: &Picked) -> String {
         }
         text.push_str("\"}");
     }
-    text.push_str("]}");
-    text
+    text + "]"
 }

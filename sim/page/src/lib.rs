@@ -24,6 +24,9 @@ mod bytes;
 #[path = "../../engine/src/fixed/quantise.rs"]
 mod quantise;
 #[allow(dead_code)]
+#[path = "../../engine/src/fast/order.rs"]
+mod order;
+#[allow(dead_code)]
 #[path = "../../src/report/scale.rs"]
 mod scale;
 
@@ -186,9 +189,9 @@ pub extern "C" fn pick(x: u32, y: u32) -> i32 {
             return -1;
         };
         match inspect::heaviest(fixed, loaded, x, y) {
-            Some(picked) => {
-                page.text = inspect::packet_json(fixed, &picked);
-                picked.splat as i32
+            Some((splat, text)) => {
+                page.text = text;
+                splat as i32
             }
             None => -1,
         }

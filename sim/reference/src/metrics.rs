@@ -278,28 +278,31 @@ fn is_covered(a: &[f64; 4], b: &[f64; 4]) -> bool {
 
 /// Sums over samples.
 #[derive(Default)]
-struct SampleSums {
+pub struct SampleSums {
     samples: usize,
     sum: f64,
     squares: f64,
-    most: f64,
+    /// The largest size of a sample.
+    pub most: f64,
 }
 
 impl SampleSums {
-    fn add(&mut self, difference: f64) {
+    /// One more sample.
+    pub fn add(&mut self, difference: f64) {
         self.samples += 1;
         self.sum += difference;
         self.squares += difference * difference;
         self.most = self.most.max(difference.abs());
     }
 
-    fn mean(&self) -> f64 {
+    /// 0 of none.
+    pub fn mean(&self) -> f64 {
         self.sum / self.samples.max(1) as f64
     }
 
     /// Differences so small that their squares vanish (below 1e-154) are not identical; they get the largest finite
     /// PSNR.
-    fn psnr_db(&self) -> f64 {
+    pub fn psnr_db(&self) -> f64 {
         if self.most == 0.0 {
             return f64::INFINITY;
         }

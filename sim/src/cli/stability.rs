@@ -7,7 +7,7 @@ use crate::design::DesignChoice;
 use crate::progress::ProgressMeter;
 use crate::stability::scenes::classes::Size;
 use crate::stability::scenes::{self, SceneLine};
-use crate::stability::{StabilityExtent, StabilityLine, measure, steps, table};
+use crate::stability::{StabilityLine, measure, steps, table};
 use anyhow::Result;
 
 /// Heads the page that `--markdown` writes.
@@ -29,10 +29,10 @@ pub fn run(options: &StabilityOptions) -> Result<()> {
         .spare_inputs()?;
     let wants = |section| options.only.is_empty() || options.only.contains(&section);
     let mut measured = MeasuredLine::default();
-    let (size, extent) = if options.quick {
-        (Size::QUICK, StabilityExtent::QUICK)
+    let size = if options.quick {
+        Size::QUICK
     } else {
-        (Size::FULL, StabilityExtent::FULL)
+        Size::FULL
     };
     let progress = ProgressMeter::spinner("stability");
     let (mut page, mut summary) = (String::new(), String::new());
@@ -45,10 +45,14 @@ pub fn run(options: &StabilityOptions) -> Result<()> {
     }
     if wants(StabilitySection::Cases) {
         progress.doing("measuring hard cases against exact arithmetic");
-        measured.cases = measure(&DesignChoice::all(), extent);
+        measured.cases = measure(&DesignChoice::all(), options.quick);
         let lines = &measured.cases;
         let bars = table::summary(lines);
-        let studies = format!("{}\n{}", table::bounds(lines), steps::markdown(extent));
+        let studies = format!(
+            "{}\n{}",
+            table::bounds(lines),
+            steps::markdown(options.quick)
+        );
         page += &format!("{CASES}{bars}\n{studies}");
         summary += &format!("{bars}\n{studies}");
     }

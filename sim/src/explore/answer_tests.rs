@@ -222,7 +222,7 @@ fn shows_all(subject: &Subject) {
 /// A surface's answer too.
 #[test]
 fn a_surface_is_answered_with_all_bytes_and_all_energy() {
-    let plan = Plan::from_toml(include_str!("../../plans/11-layers.toml")).unwrap();
+    let plan: Plan = toml::from_str(include_str!("../../plans/11-layers.toml")).unwrap();
     let subject = of_frames(vec![Prepared::load(plan, &|_| ()).unwrap()]);
     assert!(subject.machine.surface_layers > 1);
     shows_all(&subject);

@@ -12,8 +12,6 @@ use crate::scene::{Harmonics, Scene, SortOrder, Splat};
 const MAGIC: &[u8; 8] = b"SPLPAGE3";
 /// Numbers of a splat: centre, axes, weight, colour.
 const NUMBERS: usize = 16;
-/// Numbers that state the rules.
-const RULES: usize = 11;
 /// Doubles of a camera, in the order of `camera_numbers`.
 pub const CAMERA: usize = 21;
 
@@ -24,7 +22,10 @@ pub fn encode(scene: &Scene, rules: &Rules) -> Vec<u8> {
     bytes.extend((scene.splats.len() as u32).to_le_bytes());
     bytes.extend(u32::from(degree).to_le_bytes());
     bytes.extend(u32::from(scene.order == SortOrder::Distance).to_le_bytes());
-    bytes.extend(rules_numbers(rules).iter().flat_map(|n| n.to_le_bytes()));
+    each_number(&mut { *rules }, |number| {
+        bytes.extend(number.to_le_bytes());
+        Some(number)
+    });
     let weights = scene.weights_for(rules);
     let rows: Vec<[f32; NUMBERS]> = scene
         .splats
@@ -58,11 +59,11 @@ pub fn decode(bytes: &[u8]) -> Option<(Scene, Rules)> {
         1 => SortOrder::Distance,
         _ => return None,
     };
-    let mut numbers = [0.0; RULES];
-    for number in &mut numbers {
-        *number = f64::from_le_bytes(*take(&mut rest)?);
-    }
-    let rules = rules_from(&numbers)?;
+    let mut rules = Rules {
+        name: "page",
+        ..Rules::EWA
+    };
+    each_number(&mut rules, |_| Some(f64::from_le_bytes(*take(&mut rest)?)))?;
     let mut columns = Vec::with_capacity(NUMBERS);
     for _ in 0..NUMBERS {
         columns.push(take_column(&mut rest, count)?);
@@ -140,51 +141,21 @@ const KERNELS: [Kernel; 4] = [
     Kernel::Disc,
 ];
 
-fn rules_numbers(rules: &Rules) -> [f64; RULES] {
+/// Hands `number` every number that states rules and takes what it gives for it: writing and reading in one order.
+fn each_number(rules: &mut Rules, mut number: impl FnMut(f64) -> Option<f64>) -> Option<()> {
+    rules.normalised = number(rules.normalised.into())? != 0.0;
+    rules.low_pass = number(rules.low_pass)?;
+    rules.spacing = number(rules.spacing)?;
     let kernel = KERNELS.iter().position(|kernel| *kernel == rules.kernel);
-    [
-        f64::from(u8::from(rules.normalised)),
-        rules.low_pass,
-        rules.spacing,
-        kernel.unwrap_or(0) as f64,
-        rules.cutoff,
-        rules.alpha_max,
-        rules.alpha_min,
-        rules.minimum_transmittance,
-        f64::from(u8::from(rules.omit_finishing)),
-        f64::from(u8::from(rules.clamp_jacobian)),
-        f64::from(u8::from(rules.compensated)),
-    ]
-}
-
-fn rules_from(numbers: &[f64; RULES]) -> Option<Rules> {
-    let [
-        normalised,
-        low_pass,
-        spacing,
-        kernel,
-        cutoff,
-        alpha_max,
-        alpha_min,
-        stop,
-        omit_finishing,
-        clamp,
-        compensated,
-    ] = *numbers;
-    Some(Rules {
-        name: "page",
-        normalised: normalised != 0.0,
-        low_pass,
-        compensated: compensated != 0.0,
-        spacing,
-        kernel: *KERNELS.get(kernel as usize)?,
-        cutoff,
-        alpha_max,
-        alpha_min,
-        minimum_transmittance: stop,
-        omit_finishing: omit_finishing != 0.0,
-        clamp_jacobian: clamp != 0.0,
-    })
+    rules.kernel = *KERNELS.get(number(kernel.unwrap_or(0) as f64)? as usize)?;
+    rules.cutoff = number(rules.cutoff)?;
+    rules.alpha_max = number(rules.alpha_max)?;
+    rules.alpha_min = number(rules.alpha_min)?;
+    rules.minimum_transmittance = number(rules.minimum_transmittance)?;
+    rules.omit_finishing = number(rules.omit_finishing.into())? != 0.0;
+    rules.clamp_jacobian = number(rules.clamp_jacobian.into())? != 0.0;
+    rules.compensated = number(rules.compensated.into())? != 0.0;
+    Some(())
 }
 
 fn put_column(bytes: &mut Vec<u8>, values: impl Iterator<Item = f32> + Clone) {

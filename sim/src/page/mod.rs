@@ -46,7 +46,6 @@ const ABOUT: [&str; WIDTH_RANGES.len()] = [
 
 /// What a page shows.
 pub struct Shown<'a> {
-    /// The splats.
     pub scene: &'a Scene,
     /// The first view.
     pub camera: &'a Camera,
@@ -58,7 +57,6 @@ pub struct Shown<'a> {
     pub up: [f64; 3],
 }
 
-/// The whole file.
 pub fn html(shown: &Shown) -> Result<String> {
     let splats = shown.scene.splats.len();
     ensure!(
@@ -171,18 +169,16 @@ fn settings<'a>(shown: &'a Shown, checksum: u64) -> LiveSettings<'a> {
         high,
         about,
     };
-    let named = NAMES.into_iter().filter_map(DesignChoice::named);
-    let mut designs: BTreeMap<String, DesignSettings> = named
-        .map(|design| {
-            (
-                design.name.clone(),
-                DesignSettings::new(&design, design.traversal),
-            )
-        })
-        .collect();
     let design = shown.options.design;
-    let own = DesignSettings::new(design, shown.options.traversal);
-    designs.insert(design.name.clone(), own);
+    let named = NAMES.into_iter().filter_map(DesignChoice::named);
+    let named = named.map(|design| (design.traversal, design));
+    // The last of a name counts.
+    let all = named.chain([(shown.options.traversal, design.clone())]);
+    let by_name = |(traversal, design): (Traversal, DesignChoice)| {
+        let settings = DesignSettings::new(&design, traversal);
+        (design.name, settings)
+    };
+    let designs = all.map(by_name).collect();
     let mut order = NAMES.to_vec();
     if !order.contains(&design.name.as_str()) {
         order.push(&design.name);

@@ -68,16 +68,28 @@ impl Prepared {
                 let found = float::footprints(splats.scene, splats.camera, splats.rules);
                 let of_splat = |f: &Result<float::Footprint, Culled>| {
                     let f = f.as_ref().ok()?;
-                    let ends = (Some(f.peak), f.cutoff);
-                    Some(line(f.centre, f.place, f.variance.conic(), &f.bounds, ends))
+                    Some(FootprintLine {
+                        centre: f.centre,
+                        depth: f.place,
+                        conic: f.variance.conic(),
+                        bounds: corners(&f.bounds),
+                        opacity: Some(f.peak),
+                        cutoff: f.cutoff,
+                    })
                 };
                 found.iter().map(of_splat).collect()
             }
             Subject::Surface(scene, style) => {
                 let of_point = |point| {
                     let f = reference::surface::project(point, &self.plan.camera, style).ok()?;
-                    let ends = (None, style.cutoff);
-                    Some(line(f.centre, f.depth, f.conic, &f.bounds, ends))
+                    Some(FootprintLine {
+                        centre: f.centre,
+                        depth: f.depth,
+                        conic: f.conic,
+                        bounds: corners(&f.bounds),
+                        opacity: None,
+                        cutoff: style.cutoff,
+                    })
                 };
                 scene.points.par_iter().map(of_point).collect()
             }
@@ -94,21 +106,8 @@ fn refuse_spheres(splats: &Splats) -> Result<()> {
     Ok(())
 }
 
-fn line(
-    centre: [f64; 2],
-    depth: f64,
-    conic: [f64; 3],
-    bounds: &PixelBox,
-    (opacity, cutoff): (Option<f64>, f64),
-) -> FootprintLine {
-    FootprintLine {
-        centre,
-        depth,
-        conic,
-        bounds: [bounds.x0, bounds.y0, bounds.x1, bounds.y1],
-        opacity,
-        cutoff,
-    }
+fn corners(bounds: &PixelBox) -> [usize; 4] {
+    [bounds.x0, bounds.y0, bounds.x1, bounds.y1]
 }
 
 /// A packet's integers as numbers: depth as a sort key, Q27.subpixel centre, conic mantissas with their exponent.

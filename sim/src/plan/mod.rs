@@ -9,19 +9,19 @@
 //! it, and [`Prepared::from_file`] reads either and loads its scene, so that what a report shows can be drawn again bit
 //! for bit. Its [`Technique`] is which of the papers' systems draw it. Each step sees only what the step before gave
 //! it: [`load`] turns a [`Source`] into a scene of any kind, [`draw`] (the kernel) and `reference` a [`Prepared`] plan
-//! into a [`Drawing`], [`measure`] repeats and compares drawings, [`record`] states them as a report, and [`golden`] as
+//! into a [`Drawing`], [`measure`] repeats and compares drawings, `record` states them as a report, and [`golden`] as
 //! a line of the table that every change is held against.
 
 pub mod draw;
 mod footprints;
-pub mod exercised;
+mod exercised;
 pub mod golden;
 pub mod load;
 pub mod measure;
 pub mod path;
-pub mod record;
+mod record;
 mod reference;
-pub mod technique;
+mod technique;
 mod text;
 
 pub use draw::Drawing;
@@ -42,7 +42,7 @@ use crate::scene::points::flatten::flattened;
 use crate::scene::{Scene, SortOrder};
 use crate::surface::Style;
 use crate::{fixed, input};
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Error, Result, bail, ensure};
 use clap::ValueEnum;
 use serde::{Deserialize, Serialize};
 use splatline::format::Traversal;
@@ -87,19 +87,23 @@ pub enum Engine {
 }
 
 impl Engine {
+    /// Of every engine in their order: its name on the command line and in reports, and the formats of the footprint's
+    /// kernel and of all else at a pixel if it computes in formats of few bits.
+    const TABLE: [(&str, Option<[FloatFormat; 2]>); 9] = [
+        ("fixed", None),
+        ("float", None),
+        ("exact", None),
+        ("fp32", Some([formats::FP32; 2])),
+        ("fp16", Some([formats::FP16; 2])),
+        ("bfloat16", Some([formats::BFLOAT16; 2])),
+        ("fp8-fp16", Some([formats::FP8, formats::FP16])),
+        ("e5m2-fp16", Some([formats::FP8_WIDE, formats::FP16])),
+        ("fp8", Some([formats::FP8; 2])),
+    ];
+
     /// Name on the command line and in reports.
     pub fn name(self) -> &'static str {
-        match self {
-            Engine::Fixed => "fixed",
-            Engine::Float => "float",
-            Engine::Exact => "exact",
-            Engine::Fp32 => "fp32",
-            Engine::Fp16 => "fp16",
-            Engine::Bfloat16 => "bfloat16",
-            Engine::Fp8Fp16 => "fp8-fp16",
-            Engine::E5m2Fp16 => "e5m2-fp16",
-            Engine::Fp8 => "fp8",
-        }
+        Self::TABLE[self as usize].0
     }
 
     /// The engines that compute in a floating-point format of few bits.
@@ -114,21 +118,11 @@ impl Engine {
 
     /// The formats of the stages, of an engine that has them.
     pub fn stages(self) -> Option<RoundedStages> {
-        match self {
-            Engine::Fp32 => Some(RoundedStages::pixels(formats::FP32)),
-            Engine::Fp16 => Some(RoundedStages::pixels(formats::FP16)),
-            Engine::Bfloat16 => Some(RoundedStages::pixels(formats::BFLOAT16)),
-            Engine::Fp8Fp16 => Some(RoundedStages {
-                kernel: formats::FP8,
-                ..RoundedStages::pixels(formats::FP16)
-            }),
-            Engine::E5m2Fp16 => Some(RoundedStages {
-                kernel: formats::FP8_WIDE,
-                ..RoundedStages::pixels(formats::FP16)
-            }),
-            Engine::Fp8 => Some(RoundedStages::pixels(formats::FP8)),
-            Engine::Fixed | Engine::Float | Engine::Exact => None,
-        }
+        let [kernel, others] = Self::TABLE[self as usize].1?;
+        Some(RoundedStages {
+            kernel,
+            ..RoundedStages::pixels(others)
+        })
     }
 
     /// The lane of an engine that computes in a floating-point format.
@@ -264,13 +258,6 @@ fn with_surface_unit(machine: &Config, style: Option<&Style>) -> Config {
     }
 }
 
-impl Plan {
-    /// The plan in the text of a plan file.
-    pub fn from_toml(text: &str) -> Result<Plan> {
-        Ok(toml::from_str(text)?)
-    }
-}
-
 impl Prepared {
     /// A plan with its scene; `seconds` is what loading took. A machine of which nobody said how many bytes of
     /// harmonics it reads reads the scene's.
@@ -315,7 +302,7 @@ impl Prepared {
             input::text(path, input::TABLE).with_context(|| format!("cannot read '{shown}'"))?;
         let is_plan = path.extension().is_some_and(|name| name == "toml");
         let plan = if is_plan {
-            Plan::from_toml(&text)
+            toml::from_str(&text).map_err(Error::from)
         } else {
             Plan::from_report(&text)
         };

@@ -11,7 +11,7 @@ use crate::scene::Weight;
 use crate::surface::Buffer;
 use crate::systems::SystemVerdict;
 use anyhow::{Context, Result, ensure};
-use serde::Deserialize;
+use serde_json::Value;
 use splatline::format::Traversal;
 
 impl Prepared {
@@ -43,22 +43,16 @@ impl Prepared {
     }
 }
 
-/// What is read of a report, of whatever version its other fields are.
-#[derive(Deserialize)]
-struct RecordedPlan {
-    #[serde(default)]
-    plan: serde_json::Value,
-}
-
 impl Plan {
-    /// The plan that the text of a report records.
+    /// The plan that the text of a report records, of whatever version its other fields are.
     pub fn from_report(text: &str) -> Result<Plan> {
-        let report: RecordedPlan = serde_json::from_str(text).context("not a report.json")?;
+        let mut report: Value = serde_json::from_str(text).context("not a report.json")?;
+        let plan = report.get_mut("plan").map(Value::take).unwrap_or_default();
         ensure!(
-            !report.plan.is_null(),
+            !plan.is_null(),
             "it records no \"plan\": write it again with this version's render --json or compare"
         );
-        serde_json::from_value(report.plan).context("its \"plan\" is none of this version")
+        serde_json::from_value(plan).context("its \"plan\" is none of this version")
     }
 
     /// How pixels gather, in a report's words.
@@ -124,7 +118,7 @@ pub fn report_of(
 }
 
 /// The plan as a report states it; JSON is text, so that it cannot name every file that a system can hold.
-fn stated(plan: &Plan) -> Result<serde_json::Value> {
+fn stated(plan: &Plan) -> Result<Value> {
     serde_json::to_value(plan).with_context(|| {
         let scene = plan.source.path.display();
         format!(

@@ -160,15 +160,11 @@ pub fn short(value: f64) -> String {
 /// Which part of a text lies at its place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Anchor {
-    /// Its left end.
     Start,
-    /// Its middle.
     Middle,
-    /// Its right end.
     End,
 }
 
-/// A chart that is being drawn.
 pub struct Chart(String);
 
 impl Chart {
@@ -180,13 +176,11 @@ impl Chart {
         ))
     }
 
-    /// Adds any element.
     pub fn push(&mut self, element: &str) {
         self.0.push_str(element);
         self.0.push('\n');
     }
 
-    /// A line through points.
     pub fn line(&mut self, points: &[(f64, f64)], class: &str) {
         let points: Vec<String> = points
             .iter()
@@ -287,7 +281,6 @@ impl Chart {
         y + LEGEND_LINE - top
     }
 
-    /// The SVG element.
     pub fn finish(self) -> String {
         self.0 + "</svg>\n"
     }

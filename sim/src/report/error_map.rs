@@ -1,6 +1,6 @@
 //! The signed error map: where fixed point is brighter than the reference (warm) and where it is darker (cool).
 //!
-//! Each pixel shows the one colour channel that differs most, with its sign. The colours are those of a [`ErrorScale`]
+//! Each pixel shows the one colour channel that differs most, with its sign. The colours are those of an `ErrorScale`
 //! that is chosen from the errors.
 
 use super::png::Rgb;

@@ -19,7 +19,6 @@ pub fn counted<'a>(reasons: impl IntoIterator<Item = (&'a str, usize)>) -> Reaso
 pub struct SceneFacts {
     /// File name without folders.
     pub name: String,
-    /// Splats in the scene.
     pub splats: u64,
     /// Records that the loader left out, by reason.
     pub skipped: ReasonCounts,

@@ -16,54 +16,40 @@ pub const FORMAT: &str = "splatline-frames/1";
 /// What `compare` writes over frames.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FramesReport<'a> {
-    /// [`FORMAT`].
     pub format: &'static str,
-    /// Every frame.
     pub frames: &'a [FrameRow],
-    /// All of them.
     pub over_frames: &'a OverRows,
 }
 
 /// What `render` writes over frames.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DrawnFrames {
-    /// [`FORMAT`].
     pub format: &'static str,
-    /// Every frame.
     pub frames: Vec<DrawnFrame>,
     /// Seconds of drawing one.
     pub total_s: Spread,
 }
 
-/// A frame's picture.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DrawnFrame {
-    /// The camera's name.
     pub name: String,
-    /// The picture's file.
     pub file: PathBuf,
-    /// Its report.
     pub report: Report,
 }
 
-/// A frame's line.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FrameRow {
-    /// The camera's name.
     pub name: String,
     /// The folder of its pictures and report.
     pub folder: String,
     /// PSNR of the colours; null for equal pictures.
     pub psnr_db: Option<f64>,
-    /// Largest error of a colour.
     pub max_abs: f64,
     /// 99 % of the samples of colours differ by no more.
     pub p99: f64,
-    /// Mean FLIP.
     pub flip: f64,
     /// Mean of fixed minus float.
     pub bias: f64,
-    /// Structural similarity.
     pub ssim: f64,
     /// Cycles of the machine; null where it does not draw the scene.
     pub cycles: Option<u64>,
@@ -76,19 +62,14 @@ pub struct FrameRow {
 /// The worst frame, the 95th percentile and the mean.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct OverRows {
-    /// Frames.
     pub frames: usize,
-    /// Largest errors.
     pub max_abs: Spread,
-    /// Their 99th percentiles.
     pub p99: Spread,
-    /// Mean FLIP.
     pub flip: Spread,
     /// Root mean square errors, from the PSNR.
     pub rms: Spread,
     /// Signed bias, by size.
     pub bias: Spread,
-    /// Cycles.
     pub cycles: Spread,
     /// Milliseconds a frame by the machine's clock.
     pub ms_per_frame: Spread,
@@ -98,12 +79,10 @@ pub struct OverRows {
     pub frames_per_s_at_worst: Option<f64>,
     /// PSNR of the worst frame; null for equal pictures.
     pub worst_psnr_db: Option<f64>,
-    /// Which frame that is.
     pub worst_frame: String,
 }
 
 impl FrameRow {
-    /// From a frame's report.
     pub fn new(name: &str, folder: &Path, report: &Report) -> FrameRow {
         let folder = folder.file_name().unwrap_or_default().to_string_lossy();
         let rgb = report.error.map(|error| error.rgb);
@@ -127,7 +106,6 @@ impl FrameRow {
         self.psnr_db.map_or(0.0, |psnr| 10f64.powf(-psnr / 20.0))
     }
 
-    /// Over all rows.
     pub fn over(rows: &[FrameRow]) -> OverRows {
         let spread = |of: fn(&FrameRow) -> f64| Spread::of(rows.iter().map(of));
         let worst = rows.iter().max_by(|a, b| a.rms().total_cmp(&b.rms()));
@@ -150,7 +128,6 @@ impl FrameRow {
 }
 
 impl OverRows {
-    /// For people.
     pub fn text(&self) -> String {
         type Line<'a> = (&'a str, &'a Spread, &'a dyn Fn(f64) -> String);
         let exponent = |value: f64| format!("{value:.3e}");
@@ -183,7 +160,6 @@ impl OverRows {
     }
 }
 
-/// One page that stands alone.
 pub fn page(title: &str, rows: &[FrameRow], over: &OverRows) -> String {
     let link = |row: &&FrameRow| {
         let (folder, name) = (escape(&row.folder), escape(&row.name));

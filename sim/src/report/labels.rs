@@ -6,20 +6,14 @@
 /// An axis-parallel rectangle in pixels, y down.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rectangle {
-    /// Left edge.
     pub left: f64,
-    /// Upper edge.
     pub top: f64,
-    /// Extent to the right.
     pub width: f64,
-    /// Extent downwards.
     pub height: f64,
 }
 
-/// Where a label goes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LabelPlacement {
-    /// The label's box.
     pub area: Rectangle,
     /// The label stands away from its marker and needs a line to it.
     pub leader: bool,

@@ -6,21 +6,23 @@
 //! pixels are counted once per splat that visits them.
 //! JSON knows neither infinity nor NaN: the PSNR of identical pictures is `null` beside `"identical": true`.
 
-pub mod chart;
+pub(crate) mod chart;
 pub mod error_map;
-pub mod facts;
-pub mod formats;
-pub mod frames;
-pub mod html;
+pub(crate) mod facts;
+pub(crate) mod formats;
+pub(crate) mod frames;
+pub(crate) mod html;
 pub mod machine;
 pub(crate) mod labels;
-pub mod photos;
-pub mod plot;
+pub(crate) mod photos;
+pub(crate) mod plot;
 pub mod png;
-pub mod scale;
-pub mod shell;
-pub mod table;
+pub(crate) mod scale;
+pub(crate) mod shell;
+pub(crate) mod table;
 pub(crate) mod viewer;
+
+pub use chart::alone;
 
 use crate::camera::CameraFile;
 use crate::design::ResolvedDesign;
@@ -239,14 +241,13 @@ impl HostTimes {
     /// Medians, field by field, of one entry per run.
     pub fn median_of(runs: &[HostTimes]) -> HostTimes {
         let of = |field: fn(&HostTimes) -> f64| median(runs.iter().map(field).collect());
-        let stages = [of(|t| t.setup_s), of(|t| t.sort_s), of(|t| t.raster_s)];
+        let [setup_s, sort_s, raster_s] = [of(|t| t.setup_s), of(|t| t.sort_s), of(|t| t.raster_s)];
         let total_s = of(|t| t.total_s);
-        let [setup_s, sort_s, raster_s] = stages;
         HostTimes {
             setup_s,
             sort_s,
             raster_s,
-            convert_s: (total_s - stages.iter().sum::<f64>()).max(0.0),
+            convert_s: (total_s - (setup_s + sort_s + raster_s)).max(0.0),
             prepare_s: 0.0,
             total_s,
             repeat: runs.len(),
@@ -258,12 +259,10 @@ impl HostTimes {
 /// The middle value, or the mean of the two in the middle; 0 of nothing.
 fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
-    let middle = values.len() / 2;
-    match values.len() {
-        0 => 0.0,
-        n if n % 2 == 1 => values[middle],
-        _ => (values[middle - 1] + values[middle]) / 2.0,
-    }
+    let Some(last) = values.len().checked_sub(1) else {
+        return 0.0;
+    };
+    (values[last / 2] + values[last.div_ceil(2)]) / 2.0
 }
 
 #[cfg(test)]

@@ -34,14 +34,10 @@ pub struct PhotoReport {
     means: Vec<PhotoMean>,
 }
 
-/// A view.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PhotoRow {
-    /// The camera's name.
     pub name: String,
-    /// The photograph's file.
     pub photograph: PathBuf,
-    /// Columns and rows.
     pub size: [usize; 2],
     /// The folder of its pictures.
     pub folder: String,
@@ -54,7 +50,6 @@ pub struct PhotoRow {
 pub struct Drawn {
     /// Who drew: `float`, a design, or a format.
     pub engine: String,
-    /// Against the photograph.
     #[serde(flatten)]
     pub error: PhotoError,
 }

@@ -6,9 +6,7 @@
 use super::chart;
 use super::html::escape;
 
-/// A page.
 pub struct Shell<'a> {
-    /// Of the window.
     pub title: &'a str,
     /// What kind of page it is, above the heading.
     pub product: &'a str,

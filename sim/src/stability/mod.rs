@@ -58,40 +58,22 @@ pub struct StabilityLine {
 
 /// Samples of sixteen splats that a case is measured on. Single precision is exact on some splats by luck, since their
 /// numbers are its own; over many the luck averages out, and no comparison needs a tolerance.
-pub const SAMPLES: u64 = 16;
+const SAMPLES: u64 = 16;
+/// As many as a test can wait for.
+const QUICK_SAMPLES: u64 = 2;
 
-/// How much to measure.
-#[derive(Clone, Copy, Debug)]
-pub struct StabilityExtent {
-    /// Samples per case, at least 1.
-    pub samples: u64,
-    /// A stack of 100,000 splats in the first sample; otherwise, and in all others, a short one.
-    pub deep: bool,
-}
-
-impl StabilityExtent {
-    /// What the page shows.
-    pub const FULL: StabilityExtent = StabilityExtent {
-        samples: SAMPLES,
-        deep: true,
-    };
-    /// What a test can wait for.
-    pub const QUICK: StabilityExtent = StabilityExtent {
-        samples: 2,
-        deep: false,
-    };
-}
-
-/// Measures all cases: `f32`, then the designs, each by its own traversal; the worst of all samples.
-pub fn measure(designs: &[DesignChoice], extent: StabilityExtent) -> Vec<StabilityLine> {
+/// Measures all cases: `f32`, then the designs, each by its own traversal; the worst of all samples. The
+/// first sample has a stack of 100,000 splats unless it is to be `quick`, all others have a short one.
+pub fn measure(designs: &[DesignChoice], quick: bool) -> Vec<StabilityLine> {
     let sampled = |sample| -> Vec<StabilityLine> {
-        let cases = cases::all(!extent.deep || sample > 0, sample);
+        let cases = cases::all(quick || sample > 0, sample);
         let lines = cases
             .par_iter()
             .flat_map(|case| measure_case(case, designs));
         lines.collect()
     };
-    let samples: Vec<_> = (0..extent.samples).into_par_iter().map(sampled).collect();
+    let samples = if quick { QUICK_SAMPLES } else { SAMPLES };
+    let samples: Vec<_> = (0..samples).into_par_iter().map(sampled).collect();
     let mut samples = samples.into_iter();
     let mut lines = samples.next().unwrap_or_default();
     for other in samples {

@@ -4,7 +4,7 @@
 //! today's widths is measured by the number of cases that are worse than single precision, stage by stage, and priced.
 
 use super::table::{JUDGED, STAGES, engine_pairs, needle_gain};
-use super::{StabilityExtent, StabilityLine, measure};
+use super::{StabilityLine, measure};
 use crate::design::DesignChoice;
 use crate::machine::area::{CountedMachine, Family, synthesis};
 use crate::machine::config::Config;
@@ -29,9 +29,9 @@ const STEPS: [Step; 8] = [
 ];
 
 /// Both tables as Markdown.
-pub fn markdown(extent: StabilityExtent) -> String {
+pub fn markdown(quick: bool) -> String {
     let designs = [growing(), shrinking()];
-    let lines = measure(&designs.concat(), extent);
+    let lines = measure(&designs.concat(), quick);
     let [growing, shrinking] = designs;
     let note = synthesis::statement(&FAMILY.calibration());
     format!(

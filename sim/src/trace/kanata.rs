@@ -14,7 +14,6 @@ type TracedPair = (u32, u32, u32);
 /// First and one past the last cycle of every stage of a pair.
 type TracedStages = BTreeMap<Stage, (u64, u64)>;
 
-/// The log of some events.
 pub fn log(events: &[Event]) -> String {
     let mut pairs: BTreeMap<TracedPair, TracedStages> = BTreeMap::new();
     let of_pairs = |event: &&Event| event.stage != Stage::WriteBack;

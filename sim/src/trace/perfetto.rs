@@ -8,7 +8,6 @@ use crate::machine::observe::{Event, Stage};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 
-/// The trace of some events.
 pub fn trace(events: &[Event]) -> String {
     let mut entries: Vec<Value> = Vec::new();
     let units: BTreeSet<u32> = events.iter().map(|event| event.unit).collect();

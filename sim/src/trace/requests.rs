@@ -18,7 +18,6 @@ fn in_order(accesses: &[Access]) -> Vec<Access> {
     sorted
 }
 
-/// For Ramulator 2.
 pub fn ramulator2(accesses: &[Access]) -> String {
     let line = |access: Access| {
         let what = if access.write { "ST" } else { "LD" };

@@ -13,7 +13,6 @@ type VcdPlace = (u32, Stage, u32);
 /// What changes at a place in a cycle: items that come or go, and the splat that came last.
 type Change = (i64, Option<u32>);
 
-/// The dump of some events.
 pub fn dump(events: &[Event]) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     let mut writer = Writer::new(&mut bytes);
@@ -85,11 +84,7 @@ fn header(
 /// The bits of a number from its highest one.
 fn bits(number: u32) -> impl Iterator<Item = Value> {
     let count = (u32::BITS - number.leading_zeros()).max(1);
-    (0..count).rev().map(move |bit| {
-        if number >> bit & 1 == 1 {
-            Value::V1
-        } else {
-            Value::V0
-        }
-    })
+    (0..count)
+        .rev()
+        .map(move |bit| Value::from(number >> bit & 1 == 1))
 }

@@ -1,6 +1,7 @@
 //! Photographs: a COLMAP model of which `exact` takes the pictures, compared with what is drawn; and a trainer's
 //! folder.
 
+use super::hostile::seeds::{GAUSSIAN, ply_header};
 use super::shell::{Shell, holds};
 use std::fs;
 
@@ -22,19 +23,11 @@ fn write_model(shell: &Shell) {
 }
 
 /// A PLY of Gaussians as trainers write it; without the third scale they are flat.
-fn gaussians(scales: usize, records: &[String]) -> String {
-    let scales = (0..scales).map(|axis| format!("scale_{axis}"));
-    let names = "x y z f_dc_0 f_dc_1 f_dc_2 opacity"
-        .split(' ')
-        .map(str::to_owned);
-    let turns = (0..4).map(|part| format!("rot_{part}"));
-    let properties: String = names
-        .chain(scales)
-        .chain(turns)
-        .map(|name| format!("property float {name}\n"))
-        .collect();
-    let (count, records) = (records.len(), records.join("\n"));
-    format!("ply\nformat ascii 1.0\nelement vertex {count}\n{properties}end_header\n{records}\n")
+pub fn gaussians(scales: usize, records: &[String]) -> String {
+    let wanted = |name: &&str| !name.starts_with('n') && (scales == 3 || *name != "scale_2");
+    let names: Vec<&str> = GAUSSIAN.into_iter().filter(wanted).collect();
+    let header = ply_header("ascii", &names, records.len());
+    format!("{header}{}\n", records.join("\n"))
 }
 
 /// What `exact` sees, as photographs.

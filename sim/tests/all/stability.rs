@@ -3,12 +3,12 @@
 use splatline_sim::design::DesignChoice;
 use splatline_sim::stability::scenes::classes::{self, Size};
 use splatline_sim::stability::scenes::{self, SceneLine};
-use splatline_sim::stability::{StabilityExtent, StabilityLine, measure, table};
+use splatline_sim::stability::{StabilityLine, measure, table};
 use std::sync::OnceLock;
 
 fn lines() -> &'static [StabilityLine] {
     static LINES: OnceLock<Vec<StabilityLine>> = OnceLock::new();
-    LINES.get_or_init(|| measure(&DesignChoice::all(), StabilityExtent::QUICK))
+    LINES.get_or_init(|| measure(&DesignChoice::all(), true))
 }
 
 #[test]

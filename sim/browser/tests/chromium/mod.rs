@@ -249,36 +249,6 @@ impl Browser {
         Ok([at(0)?, at(1)?])
     }
 
-    /// Seconds of processor time that the browser and all its processes have used so far (Linux).
-    pub fn processor_seconds(&self) -> Result<f64> {
-        let mut all = Vec::new();
-        for entry in std::fs::read_dir("/proc")?.flatten() {
-            let Ok(text) = std::fs::read_to_string(entry.path().join("stat")) else {
-                continue;
-            };
-            // A name may hold spaces; it ends at the last parenthesis.
-            let fields = text.rsplit_once(')').map_or("", |parts| parts.1);
-            let fields = fields.split_whitespace();
-            let fields: Vec<u64> = fields.map(|field| field.parse().unwrap_or(0)).collect();
-            let name = entry.file_name();
-            let process: Option<u64> = name.to_str().and_then(|name| name.parse().ok());
-            if let (Some(process), [_, parent, ..]) = (process, &fields[..])
-                && fields.len() > 12
-            {
-                all.push((process, *parent, fields[11] + fields[12]));
-            }
-        }
-        let mut own = vec![u64::from(self.child.id())];
-        let mut ticks = 0;
-        while let Some(process) = own.pop() {
-            let own_ticks = all.iter().filter(|p| p.0 == process).map(|p| p.2);
-            ticks += own_ticks.sum::<u64>();
-            own.extend(all.iter().filter(|p| p.1 == process).map(|p| p.0));
-        }
-        // A tick is a hundredth of a second on every Linux.
-        Ok(ticks as f64 / 100.0)
-    }
-
     /// The whole page as PNG.
     pub fn screenshot(&mut self, file: &Path) -> Result<()> {
         let parameters = json!({"format": "png", "captureBeyondViewport": true});

@@ -66,13 +66,7 @@ pub fn page(data: &Path) -> Result<Page> {
 }
 
 fn bars() -> Table {
-    let mut table = Table::new(&[
-        "bar",
-        "PSNR at least",
-        "largest error",
-        "bias",
-        "deep stack",
-    ]);
+    let mut table = Table::new("bar | PSNR at least | largest error | bias | deep stack");
     for bar in BARS {
         table.push([
             bar.design.to_owned(),
@@ -88,10 +82,9 @@ fn bars() -> Table {
 /// A view a row, a design a column.
 fn summary(measurements: &[Measurement]) -> Table {
     let designs = DesignChoice::all();
-    let mut headings = vec!["scene"];
-    headings.extend(designs.iter().map(|design| design.name.as_str()));
-    headings.push("bars, both traversals");
-    let mut table = Table::new(&headings);
+    let names: Vec<&str> = designs.iter().map(|design| design.name.as_str()).collect();
+    let names = names.join(" | ");
+    let mut table = Table::new(&format!("scene | {names} | bars, both traversals"));
     for view in VIEWS {
         let of_view: Vec<_> = measurements
             .iter()
@@ -110,18 +103,10 @@ fn summary(measurements: &[Measurement]) -> Table {
 }
 
 fn all(measurements: &[Measurement]) -> Table {
-    let mut table = Table::new(&[
-        "scene",
-        "design",
-        "traversal",
-        "psnr_db",
-        "largest_x255",
-        "bias",
-        "ssim",
-        "visited",
-        "visited_per_covered",
-        "bars",
-    ]);
+    let mut table = Table::new(
+        "scene | design | traversal | psnr_db | largest_x255 | bias | ssim | visited | \
+         visited_per_covered | bars",
+    );
     for found in measurements {
         let (psnr_db, max_abs, bias) = found.worst();
         let ssim = found.errors.colour.ssim.min(found.errors.alpha.ssim);

@@ -19,18 +19,10 @@ const CAPTURED: &str = "playbot";
 
 /// Adds the section about random harmonics of every degree and a captured scene.
 pub fn add(page: &mut Page, data: &Path) -> Result<()> {
-    let mut table = Table::new(&[
-        "scene",
-        "degree",
-        "design",
-        "largest error of a colour",
-        "RMS",
-        "bias",
-        "picture PSNR dB",
-        "largest error",
-        "picture bias",
-        "bytes a splat",
-    ]);
+    let mut table = Table::new(
+        "scene | degree | design | largest error of a colour | RMS | bias | picture PSNR dB | \
+         largest error | picture bias | bytes a splat",
+    );
     let random = |degree| {
         View::new(
             "random 5k",

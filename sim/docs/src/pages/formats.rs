@@ -33,10 +33,9 @@ const FILES: [(&str, &[&str]); 2] = [
     ),
 ];
 
-/// Adds the section.
 pub fn add(page: &mut Page, data: &Path) -> Result<()> {
     let [width, height] = SIZE;
-    let mut table = Table::new(&["scene", "file", "bytes a splat", "PSNR dB", "largest error"]);
+    let mut table = Table::new("scene | file | bytes a splat | PSNR dB | largest error");
     for (name, files) in FILES {
         let scene = load(&data.join(name), &LoadOptions::default())?;
         let camera = FramingInput::of_scene(&scene, None).camera(None, USUAL_FOV, width, height)?;

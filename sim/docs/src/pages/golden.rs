@@ -21,9 +21,7 @@ const ALL: &str = "all";
 /// Largest relative difference of a fixed-point conic in one category.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FixedConics {
-    /// Name of the design.
     pub design: String,
-    /// Category of golden_a.
     pub category: String,
     /// Splats compared: all but those before the near plane.
     pub splats: usize,
@@ -89,7 +87,6 @@ pub fn tiny(folder: &Path) -> Result<Vec<(String, f64)>> {
     Ok(found)
 }
 
-/// Adds the section; `folder` holds tiny.
 pub fn add(page: &mut Page, folder: &Path) -> Result<()> {
     let golden = GoldenA::load(&archive()).context("golden_a")?;
     let float = float_table(&golden)?;
@@ -108,7 +105,7 @@ pub fn add(page: &mut Page, folder: &Path) -> Result<()> {
     page.add(
         "tiny is a picture by another renderer, which lowers each Gaussian to reach 0 at three standard deviations; the rules `3dgs` do not. The bar is 40 dB.",
     );
-    let mut table = Table::new(&["engine or design", "PSNR dB", "bar"]);
+    let mut table = Table::new("engine or design | PSNR dB | bar");
     for (name, db) in tiny(folder)? {
         table.push([name, format!("{db:.2}"), verdict(Some(db >= TINY_DB))]);
     }
@@ -117,9 +114,7 @@ pub fn add(page: &mut Page, folder: &Path) -> Result<()> {
 }
 
 fn float_table(golden: &GoldenA) -> Result<Table> {
-    let mut table = Table::new(&[
-        "category", "splats", "conic", "centre", "depth", "picture", "bars",
-    ]);
+    let mut table = Table::new("category | splats | conic | centre | depth | picture | bars");
     for found in golden.measure()? {
         let met = found.conic <= FLOAT_CONIC && found.picture <= FLOAT_PICTURE;
         let numbers =
@@ -131,7 +126,7 @@ fn float_table(golden: &GoldenA) -> Result<Table> {
 }
 
 fn fixed_table(golden: &GoldenA) -> Table {
-    let mut table = Table::new(&["design", "category", "splats", "conic", "bar"]);
+    let mut table = Table::new("design | category | splats | conic | bar");
     for found in fixed_conics(golden) {
         let bar = verdict(found.meets_bar());
         table.push([

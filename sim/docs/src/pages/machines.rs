@@ -14,7 +14,7 @@ use splatline_sim::machine::memory::parts::PARTS;
 use splatline_sim::machine::others;
 use splatline_sim::machine::workload::{Workload, extract};
 use splatline_sim::machine::{Config, Timing, simulate, simulate_alone};
-use splatline_sim::report::chart::alone;
+use splatline_sim::report::alone;
 use splatline_sim::report::machine::{plots, watch};
 use std::path::Path;
 
@@ -48,7 +48,6 @@ const MACHINES: [(&str, &str); 11] = [
     ("4 x 1 lane, dynamic tiles", "raster_units=4"),
 ];
 
-/// The tables of all scenes.
 struct Tables {
     throughput: Table,
     others: Table,
@@ -60,50 +59,23 @@ struct Tables {
 impl Tables {
     fn new() -> Tables {
         Tables {
-            throughput: Table::new(&[
-                "scene",
-                "machine",
-                "traversal",
-                "Mcycles",
-                "raster",
-                "covered",
-                "live",
-                "lanes busy",
-                "largest stall of the lanes",
-            ]),
-            others: Table::new(&[
-                "scene",
-                "machine",
-                "pixels tested",
-                "inside",
-                "blended",
-                "tested for one blended",
-                "products for one blended",
-                "cycles",
-                "raster cycles",
-                "MB",
-                "mJ",
-                "of this pixel path",
-            ]),
-            work: Table::new(&["scene", "what", "of", "count", "%"]),
-            energy: Table::new(&["scene", "unit", "mJ", "%", "of this DRAM"]),
-            memories: Table::new(&[
-                "scene",
-                "memory",
-                "cycles",
-                "geometry",
-                "sort",
-                "raster",
-                "MB moved",
-                "% of peak",
-                "rows hit, %",
-                "turns of the bus",
-                "ms",
-            ]),
+            throughput: Table::new(
+                "scene | machine | traversal | Mcycles | raster | covered | live | lanes busy | \
+                 largest stall of the lanes",
+            ),
+            others: Table::new(
+                "scene | machine | pixels tested | inside | blended | tested for one blended | \
+                 products for one blended | cycles | raster cycles | MB | mJ | of this pixel path",
+            ),
+            work: Table::new("scene | what | of | count | %"),
+            energy: Table::new("scene | unit | mJ | % | of this DRAM"),
+            memories: Table::new(
+                "scene | memory | cycles | geometry | sort | raster | MB moved | % of peak | rows hit, % | \
+                 turns of the bus | ms",
+            ),
         }
     }
 
-    /// Measures one scene.
     fn add(&mut self, view: &View, design: &DesignChoice) -> Result<()> {
         for traversal in [Traversal::Box, Traversal::Spans] {
             let workload = workload(view, design, traversal, &Config::default())?;
@@ -209,13 +181,10 @@ const CELLS: &str = include_str!("../../../rtl/cosim/asic.csv");
 
 /// The published machines, and ours by the rows of machines that were run on one scene.
 fn published(run: &Table) -> Result<Table> {
-    let mut lines = PUBLISHED
-        .lines()
-        .map(|line| line.split(',').map(str::to_owned));
-    let headings: Vec<String> = lines.next().context("published.csv is empty")?.collect();
-    let headings: Vec<&str> = headings.iter().map(String::as_str).collect();
-    let mut table = Table::new(&headings);
-    lines.for_each(|line| table.push(line));
+    let mut lines = PUBLISHED.lines();
+    let headings = lines.next().context("published.csv is empty")?;
+    let mut table = Table::new(&headings.replace(',', " | "));
+    lines.for_each(|line| table.push(line.split(',').map(str::to_owned)));
     let screen = (SIZE * SIZE) as f64;
     for row in run
         .rows()

@@ -47,12 +47,10 @@ impl Page {
         page.push('\n');
     }
 
-    /// A file beside the page.
     pub fn beside(&mut self, name: &str, text: String) {
         self.files.push((name.to_owned(), text));
     }
 
-    /// Writes all files into a folder.
     pub fn write(&self, folder: &Path) -> Result<()> {
         for (name, text) in &self.files {
             write(&folder.join(name), text)?;

@@ -17,9 +17,8 @@ pub fn page() -> Page {
         .iter()
         .map(|design| Layout::new(&design.widths, design.traversal))
         .collect();
-    let mut headings = vec!["field", "signed"];
-    headings.extend(designs.iter().map(|design| design.name.as_str()));
-    let mut table = Table::new(&headings);
+    let names: Vec<&str> = designs.iter().map(|design| design.name.as_str()).collect();
+    let mut table = Table::new(&format!("field | signed | {}", names.join(" | ")));
     for (index, first) in layouts[0].fields().iter().enumerate() {
         let signed = if first.signed { "yes" } else { "" };
         let places = layouts.iter().map(|layout| {

@@ -91,28 +91,15 @@ pub fn page(data: &Path, levels: &[VectorLevel]) -> Result<Page> {
          been loaded and quantised to single-precision pixels in memory. \"Floats\" is the best that open CPU rasterizers do (`sim/docs/src/rasterizer.rs`). \
          [speed.csv](speed.csv) has setup, sort and raster of each."
     ));
-    let mut all = Table::new(&[
-        "scene",
-        "vectors",
-        "engine",
-        "setup_ms",
-        "sort_ms",
-        "raster_ms",
-        "frame_ms",
-        "two_threads_ms",
-        "floats_to_it",
-        "psnr_db",
-    ]);
+    let mut all = Table::new(
+        "scene | vectors | engine | setup_ms | sort_ms | raster_ms | frame_ms | two_threads_ms | \
+         floats_to_it | psnr_db",
+    );
     for level in levels {
-        let mut table = Table::new(&[
-            "scene",
-            "floats ms",
-            "lean18 ms",
-            "standard24 ms",
-            "floats to lean18",
-            "floats to standard24",
-            "two threads",
-        ]);
+        let mut table = Table::new(
+            "scene | floats ms | lean18 ms | standard24 ms | floats to lean18 | floats to standard24 | \
+             two threads",
+        );
         for (name, count, factor) in RANDOM {
             let scene = synthetic::random_gaussians(count, 1, factor);
             let view = View::new(name, scene, synthetic::camera(SIZE, SIZE));

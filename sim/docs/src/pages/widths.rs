@@ -50,9 +50,8 @@ fn changed(key: &str, bits: u8) -> Result<DesignChoice> {
 
 /// What one bit less of every word costs in decibels.
 fn bit_by_bit(views: &[(View, Picture)]) -> Result<Table> {
-    let mut headings = vec!["word", "before", "now"];
-    headings.extend(views.iter().map(|(view, _)| view.name));
-    let mut table = Table::new(&headings);
+    let names: Vec<&str> = views.iter().map(|(view, _)| view.name).collect();
+    let mut table = Table::new(&format!("word | before | now | {}", names.join(" | ")));
     let own = DesignChoice::named(LEAN).map_or([0; WIDTH_RANGES.len()], |d| d.widths.numbers());
     for (((key, low, _), former), bits) in WIDTH_RANGES.iter().zip(FORMER).zip(own) {
         let mut row = vec![(*key).to_owned(), former.to_string(), bits.to_string()];
@@ -156,20 +155,11 @@ fn add_floats(table: &mut Table, view: &View, reference: &Picture) -> Result<()>
 
 /// The page over the scenes of a folder.
 pub fn page(data: &Path) -> Result<Page> {
-    let mut headings = vec!["scene", "bits"];
-    headings.extend(STAGES.iter().map(|(name, _)| *name));
-    headings.extend(["all", "LUT", "DSP"]);
-    let mut fixed = Table::new(&headings);
-    let mut floats = Table::new(&[
-        "scene",
-        "format",
-        "setup",
-        "radial index",
-        "kernel and opacity",
-        "blend",
-        "all but setup",
-        "all",
-    ]);
+    let stages = STAGES.map(|(name, _)| name).join(" | ");
+    let mut fixed = Table::new(&format!("scene | bits | {stages} | all | LUT | DSP"));
+    let mut floats = Table::new(
+        "scene | format | setup | radial index | kernel and opacity | blend | all but setup | all",
+    );
     let mut views = Vec::new();
     for name in VIEWS {
         let view = View::load(name, data, SIZE)?;

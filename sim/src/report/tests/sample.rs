@@ -4,8 +4,11 @@ use super::*;
 use crate::design::DesignChoice;
 use crate::metrics::{CoveredError, Percentiles, SampleAt};
 use crate::picture::Picture;
-use crate::rules::{Compositing, Rules};
-use crate::scene::{SortOrder, synthetic};
+use crate::plan::measure::draw_alone;
+use crate::plan::{Effort, Prepared};
+use crate::progress::ProgressMeter;
+use crate::rules::Rules;
+use crate::scene::synthetic;
 
 /// A soft ball and the same ball with rounding and truncation errors.
 pub fn pictures(width: usize, height: usize) -> (Picture, Picture) {
@@ -97,44 +100,22 @@ pub fn rows() -> Vec<ReportRow> {
     ]
 }
 
-/// A report about [`pictures`].
+/// A report of a small scene that says of [`pictures`] how they differ.
 pub fn report(fixed: &Picture, float: &Picture) -> Report {
+    let scene = synthetic::random_gaussians(9, 1, 1.0);
     let camera = synthetic::camera(float.width, float.height);
+    let design = DesignChoice::named("standard24").unwrap();
+    let prepared = Prepared::of_splats(scene, camera, Rules::GAUSSIAN_3D, design);
+    let (effort, progress) = (Effort::new(Some(1), 1), ProgressMeter::new(1));
+    let (_, drawn) = draw_alone(&prepared, None, &effort, &progress).unwrap();
     Report {
-        format: FORMAT.to_owned(),
-        engine: "fixed".to_owned(),
         reference: Some("float".to_owned()),
-        design: DesignChoice::named("standard24").map(|design| design.resolved()),
-        traversal: Some("spans".to_owned()),
-        scene: SceneFacts {
-            name: "brainsmall".to_owned(),
-            splats: 312_954,
-            skipped: [
-                ("non_finite".to_owned(), 2),
-                ("zero_rotation".to_owned(), 0),
-            ]
-            .into(),
-            culled: [("outside".to_owned(), 1204), ("transparent".to_owned(), 87)].into(),
-            clamped: 3,
-            colour_log2: 0,
-            order: SortOrder::Depth,
-        },
         warnings: vec!["brainsmall: 3 splats clamped".to_owned()],
-        camera: (&camera).into(),
-        rules: Rules::GAUSSIAN_3D,
-        compositing: Compositing::FrontToBack.name().to_owned(),
         error: ErrorFacts::between(fixed, float).ok(),
         error_map: Some(ScaleFacts::from(&ErrorMap::new(fixed, float))),
-        cycles: None,
-        pace: None,
-        pixels: Some(PixelCounts {
-            covered: 18_204_331,
-            visited: 18_931_002,
-        }),
-        host: times(0.319),
         systems: Vec::new(),
+        host: times(0.319),
         table: rows(),
-        formats: Vec::new(),
-        plan: serde_json::Value::Null,
+        ..drawn
     }
 }

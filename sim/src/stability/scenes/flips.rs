@@ -13,16 +13,11 @@ use crate::reference::float::Footprint as Exact;
 use crate::reference::{Culled, PixelBox};
 use crate::rules::Rules;
 use crate::stability::single::SingleFootprint;
-use rayon::prelude::*;
 use splatline::blend::Pixel;
 use splatline::footprint::Footprint;
 use splatline::raster::Window;
 use splatline::rules::Compositing;
 use splatline::setup::Cull;
-use splatline_engine::fast::order::Grid;
-
-/// Side of the squares of pixels that are decided at a time.
-const TILE: u16 = 64;
 
 /// Decisions otherwise than by the reference.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
@@ -193,105 +188,48 @@ impl DecisionEngine for FixedSide<'_> {
     }
 }
 
-/// Every engine's decisions against the reference's; `order` lists all splats, nearest first.
+/// An engine's decisions against the reference's; `order` lists all splats, nearest first.
 pub(super) fn count(
     reference: &dyn DecisionEngine,
-    engines: &[&dyn DecisionEngine],
+    engine: &dyn DecisionEngine,
     order: &[usize],
     camera: &Camera,
-) -> Vec<Decisions> {
-    let picture = Window {
+) -> Decisions {
+    let area = Window {
         first: [0; 2],
         end: [camera.width as u16, camera.height as u16],
     };
-    let grid = Grid::new(picture.end, [TILE; 2]);
-    let tiles = (0..grid.len()).into_par_iter();
-    let decide = |tile| count_tile(reference, engines, order, grid.window(tile));
-    let tiles: Vec<Vec<Decisions>> = tiles.map(decide).collect();
-    let mut joined = vec![Decisions::none(picture); engines.len()];
-    for (number, tile) in tiles.into_iter().enumerate() {
-        for (joined, tile) in joined.iter_mut().zip(tile) {
-            joined.flips += tile.flips;
-            for (place, flipped) in places(grid.window(number), picture).zip(tile.pixels) {
-                joined.pixels[place] = flipped;
-            }
-        }
-    }
-    joined
-}
-
-fn count_tile(
-    reference: &dyn DecisionEngine,
-    engines: &[&dyn DecisionEngine],
-    order: &[usize],
-    area: Window,
-) -> Vec<Decisions> {
-    let mut decisions = vec![Decisions::none(area); engines.len()];
+    let mut flips = Flips::default();
+    let mut pixels = vec![false; area.pixels()];
     // Whether the reference has finished a pixel before the splat at hand.
-    let mut finished = vec![false; area.pixels()];
-    // By engine and pixel: the stop was decided otherwise, and has been counted.
-    let mut stopped = vec![finished.clone(); engines.len()];
-    let mut truth = reference.start(area);
-    let mut tiles: Vec<_> = engines.iter().map(|engine| engine.start(area)).collect();
+    let mut finished = pixels.clone();
+    // The stop was decided otherwise, and has been counted.
+    let mut stopped = pixels.clone();
+    let (mut truth, mut draw) = (reference.start(area), engine.start(area));
     for &index in order {
-        let mut bounds = reference.bounds(index).intersect(&area);
-        for engine in engines {
-            bounds = hull(bounds, engine.bounds(index).intersect(&area));
-        }
+        let [own, other] = [reference, engine].map(|of| of.bounds(index).intersect(&area));
+        let bounds = hull(own, other);
         if bounds.is_empty() {
             continue;
         }
-        let expected = truth(index, bounds);
-        let engines = tiles.iter_mut().zip(&mut stopped).zip(&mut decisions);
-        for ((draw, stopped), decisions) in engines {
-            let got = draw(index, bounds);
-            for (place, (expected, got)) in places(bounds, area).zip(expected.iter().zip(&got)) {
-                if finished[place] {
-                    continue;
-                }
-                decisions.compare(place, expected.drawn, got.drawn);
-                if !stopped[place] {
-                    stopped[place] = decisions.compare_stop(place, expected.finished, got.finished);
-                }
+        let decided = truth(index, bounds).into_iter().zip(draw(index, bounds));
+        for (place, (expected, got)) in places(bounds, area).zip(decided) {
+            if finished[place] {
+                continue;
             }
-        }
-        for (place, expected) in places(bounds, area).zip(&expected) {
+            flips.added += u64::from(got.drawn && !expected.drawn);
+            flips.removed += u64::from(expected.drawn && !got.drawn);
+            pixels[place] |= expected.drawn != got.drawn;
+            if !stopped[place] {
+                flips.early += u64::from(got.finished && !expected.finished);
+                flips.late += u64::from(expected.finished && !got.finished);
+                stopped[place] = expected.finished != got.finished;
+                pixels[place] |= stopped[place];
+            }
             finished[place] = expected.finished;
         }
     }
-    decisions
-}
-
-impl Decisions {
-    fn none(area: Window) -> Decisions {
-        Decisions {
-            flips: Flips::default(),
-            pixels: vec![false; area.pixels()],
-        }
-    }
-
-    fn compare(&mut self, place: usize, expected: bool, got: bool) {
-        self.flips.added += u64::from(got && !expected);
-        self.flips.removed += u64::from(expected && !got);
-        self.pixels[place] |= expected != got;
-    }
-
-    /// Returns whether the pixel was finished by one of both alone.
-    fn compare_stop(&mut self, place: usize, expected: bool, got: bool) -> bool {
-        self.flips.early += u64::from(got && !expected);
-        self.flips.late += u64::from(expected && !got);
-        self.pixels[place] |= expected != got;
-        expected != got
-    }
-}
-
-impl std::ops::AddAssign for Flips {
-    fn add_assign(&mut self, other: Flips) {
-        self.added += other.added;
-        self.removed += other.removed;
-        self.early += other.early;
-        self.late += other.late;
-    }
+    Decisions { flips, pixels }
 }
 
 /// No pixel.
@@ -337,9 +275,9 @@ mod tests {
         let (truth, other) = (project(&RULES), project(&rules));
         let order: Vec<usize> = compositor::order(&truth);
         let engine = double(&other, &rules);
-        let decisions = count(&double(&truth, &RULES), &[&engine], &order, &class.camera);
-        let flipped = decisions[0].pixels.iter().filter(|flipped| **flipped);
-        (decisions[0].flips, flipped.count())
+        let decisions = count(&double(&truth, &RULES), &engine, &order, &class.camera);
+        let flipped = decisions.pixels.iter().filter(|flipped| **flipped);
+        (decisions.flips, flipped.count())
     }
 
     #[test]

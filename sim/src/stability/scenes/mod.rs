@@ -26,6 +26,7 @@ use crate::reference::{Culled, FloatDrawing};
 use crate::rules::{Compositing, Rules};
 use crate::scene::{Scene, Splat};
 use crate::vector;
+use rayon::prelude::*;
 pub use splatline_reference::hard::classes;
 
 use classes::{Class, Size};
@@ -129,13 +130,12 @@ pub fn measure_class(class: &Class) -> Vec<SceneLine> {
         clamped: drawing.clamped,
         decisions: Box::new(FixedSide::new(footprints, design, rules)),
     }));
-    let deciding: Vec<_> = engines.iter().map(|engine| &*engine.decisions).collect();
     let reference = double(&truth.projected, rules);
-    let decisions = flips::count(&reference, &deciding, &truth.order, camera);
-    let lines = engines.iter().zip(decisions);
-    lines
-        .map(|(engine, decisions)| truth.line(class, engine, &decisions))
-        .collect()
+    let line = |engine: &DrawnClass| {
+        let decisions = flips::count(&reference, &*engine.decisions, &truth.order, camera);
+        truth.line(class, engine, &decisions)
+    };
+    engines.par_iter().map(line).collect()
 }
 
 /// What an engine makes of a class.

@@ -5,7 +5,7 @@
 //! for little (a gzip of gigabytes of zeros), so that the claim alone does not give it away.
 
 use super::super::shell::{Shell, holds};
-use super::seeds::{gzip, seed};
+use super::seeds::{GAUSSIAN, gzip, ply_header, seed};
 use std::os::unix::process::ExitStatusExt;
 use std::path::Path;
 use std::process::Command;
@@ -116,16 +116,8 @@ fn splats() -> Vec<Bomb> {
             bytes.extend(rubbish((count as usize / 1024 * record).min(8 * MEGABYTE)));
             bombs.push((format!("streams{count}d{degree}.spz"), bytes, how));
         }
-        let names = [
-            "x", "y", "z", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2", "rot_3",
-            "opacity", "f_dc_0", "f_dc_1", "f_dc_2",
-        ];
         for kind in ["ascii", "binary_little_endian"] {
-            let properties = names
-                .map(|name| format!("property float {name}\n"))
-                .concat();
-            let text =
-                format!("ply\nformat {kind} 1.0\nelement vertex {count}\n{properties}end_header\n");
+            let text = ply_header(kind, &GAUSSIAN, count as usize);
             let bytes = [text.as_bytes(), &rubbish(9999)].concat();
             bombs.push((format!("{kind}{count}.ply"), bytes, how));
         }

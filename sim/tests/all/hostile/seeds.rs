@@ -22,7 +22,7 @@ const OTHERS: [&str; 3] = [
     "machine/src/parts",
 ];
 
-const GAUSSIAN: [&str; 17] = [
+pub const GAUSSIAN: [&str; 17] = [
     "x", "y", "z", "nx", "ny", "nz", "f_dc_0", "f_dc_1", "f_dc_2", "opacity", "scale_0", "scale_1",
     "scale_2", "rot_0", "rot_1", "rot_2", "rot_3",
 ];
@@ -35,7 +35,7 @@ const RECORDS: [[f32; 17]; 2] = [
     ],
 ];
 
-fn ply_header(encoding: &str, fields: &[&str], count: usize) -> String {
+pub fn ply_header(encoding: &str, fields: &[&str], count: usize) -> String {
     let fields: String = fields
         .iter()
         .map(|field| format!("property float {field}\n"))

@@ -1,6 +1,7 @@
 //! Sweeps: resuming, and what is refused because it belongs to another sweep.
 
 use super::*;
+use crate::hostile::seeds::seed;
 use std::process::Command;
 
 #[test]
@@ -93,16 +94,6 @@ fn a_sweep_tells_roundings_apart() {
     assert_eq!(errors.len(), 3, "{table}");
 }
 
-/// A scene of three splats in a file, so that it can be edited under its name.
-fn scene(weight: f32) -> Vec<u8> {
-    let record = |x: f32| {
-        let mut bytes = [x, 0.0, 0.0, 0.1, 0.1, 0.1].map(f32::to_le_bytes).concat();
-        bytes.extend([200, 100, 50, (weight * 255.0) as u8, 255, 128, 128, 128]);
-        bytes
-    };
-    [-0.3, 0.0, 0.4].map(record).concat()
-}
-
 /// Edited files of one name, other options, another program's identity: not resumed, and the message says why.
 #[test]
 fn a_sweep_of_anything_else_is_not_resumed() {
@@ -115,7 +106,8 @@ fn a_sweep_of_anything_else_is_not_resumed() {
     ] {
         shell.write(name, text);
     }
-    shell.write("a.splat", scene(0.5));
+    let scene = seed("scene.splat");
+    shell.write("a.splat", &scene);
     let files = "--design d.toml --machine m.toml --calibration p.toml --space s.toml";
     let sweep = format!("explore a.splat --size 16x16 {files} --no-error -o known");
     shell.succeed(&sweep);
@@ -123,9 +115,11 @@ fn a_sweep_of_anything_else_is_not_resumed() {
         let printed = shell.refused(1, &format!("{sweep} {more}"), "holds another sweep");
         holds(&printed, &[expected]);
     };
-    shell.write("a.splat", scene(0.6));
+    let mut edited = scene.clone();
+    edited[27] += 25; // A splat's opacity.
+    shell.write("a.splat", edited);
     refused("scene.sha256", "");
-    shell.write("a.splat", scene(0.5));
+    shell.write("a.splat", scene);
     for (name, role) in [
         ("d.toml", "design"),
         ("m.toml", "machine"),
@@ -148,26 +142,17 @@ fn a_sweep_of_anything_else_is_not_resumed() {
     refused("program.sources_sha256", "");
 }
 
+/// One of the alterations that the table's own tests try.
 #[test]
 fn an_altered_sweep_is_not_resumed() {
     let shell = Shell::new();
     shell.write("s.toml", "[machine]\nrow_fifo = [1, 2, 3, 4]\n");
     let sweep = "explore SCENE --space s.toml -o out";
     shell.results(sweep);
-    let sound = shell.read("out/points.csv");
-    let altered = |from: &str, to: &str, expected: &str| {
-        shell.write("out/points.csv", sound.replacen(from, to, 1));
-        let printed = shell.refused(1, sweep, "points.csv");
-        holds(&printed, &[expected]);
-    };
-    altered(
-        "\n2,3,",
-        "\n2,4,",
-        "row_fifo is '4', in the space it is '3'",
-    );
-    altered("\n2,3,", "\n2,3,NaN", "psnr_db is 'NaN");
-    let row = sound.lines().nth(1).unwrap();
-    altered(row, &format!("{row}\n{row}"), "a second time");
+    let altered = shell.read("out/points.csv").replacen("\n2,3,", "\n2,4,", 1);
+    shell.write("out/points.csv", altered);
+    let printed = shell.refused(1, sweep, "points.csv");
+    holds(&printed, &["row_fifo is '4', in the space it is '3'"]);
 }
 
 /// A scene that nobody sees is swept, and its rows are read again.

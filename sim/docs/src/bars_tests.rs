@@ -2,10 +2,10 @@
 //!
 //! `splatline-docs results --only accuracy` prints the same figures at full size on all scenes.
 
-use splatline_docs::bars::{BARS, TINY_DB};
-use splatline_docs::pages::accuracy::measure;
-use splatline_docs::pages::golden::{fixed_conics, tiny};
-use splatline_docs::views::{BRAIN, DEEP_STACK, View};
+use super::{BARS, TINY_DB};
+use crate::pages::accuracy::measure;
+use crate::pages::golden::{fixed_conics, tiny};
+use crate::views::{BRAIN, DEEP_STACK, View};
 use splatline_sim::reference::golden::{GoldenA, archive};
 use std::path::Path;
 
