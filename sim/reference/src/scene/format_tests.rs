@@ -89,10 +89,7 @@ fn further() -> Vec<FormatPair> {
 
 /// PSNR of the scene's picture in each file; docs/results/accuracy.md says it of more files.
 #[test]
-#[cfg_attr(
-    not(has_formats),
-    ignore = "the shared data in other formats were not beside the project when this was built"
-)]
+#[cfg_attr(not(has_formats), ignore = "needs the shared data")]
 fn pictures_of_one_scene_agree_between_formats() {
     println!(
         "| scene | file | splats | PSNR of the picture, dB | largest error |\n|---|---|---|---|---|"

@@ -48,10 +48,7 @@ fn largest_difference(a: [f64; 3], b: [f64; 3]) -> f64 {
 }
 
 #[test]
-#[cfg_attr(
-    not(has_data),
-    ignore = "built without the shared data beside the project"
-)]
+#[cfg_attr(not(has_data), ignore = "needs the shared data")]
 fn infinite_logits_of_the_guitar_are_opacity_one() {
     let path = shared_data("gaussians/guitar.ply");
     let scene = load_plain(&path);
@@ -64,10 +61,7 @@ fn infinite_logits_of_the_guitar_are_opacity_one() {
 
 /// Centres are stored as the same floats in both files, and each occurs once, so they tell which splat is which.
 #[test]
-#[cfg_attr(
-    not(has_data),
-    ignore = "built without the shared data beside the project"
-)]
+#[cfg_attr(not(has_data), ignore = "needs the shared data")]
 fn guitar_splat_is_guitar_ply_in_another_order() {
     let path = shared_data("gaussians/guitar.ply");
     let (ply, splat) = (load_plain(&path), load_plain(&path.with_extension("splat")));
@@ -90,10 +84,7 @@ fn guitar_splat_is_guitar_ply_in_another_order() {
 }
 
 #[test]
-#[cfg_attr(
-    not(has_data),
-    ignore = "built without the shared data beside the project"
-)]
+#[cfg_attr(not(has_data), ignore = "needs the shared data")]
 fn guitar_spz_is_guitar_ply_in_the_same_order() {
     let path = shared_data("gaussians/guitar.ply");
     let (ply, spz) = (
@@ -121,10 +112,7 @@ fn guitar_spz_is_guitar_ply_in_the_same_order() {
 }
 
 #[test]
-#[cfg_attr(
-    not(has_data),
-    ignore = "built without the shared data beside the project"
-)]
+#[cfg_attr(not(has_data), ignore = "needs the shared data")]
 fn playbot_has_degree_two_and_a_colour_that_depends_on_the_view() {
     let path = shared_data("gaussians/playbot_lod4.ply");
     let scene = load_plain(&path);
@@ -141,10 +129,7 @@ fn playbot_has_degree_two_and_a_colour_that_depends_on_the_view() {
 }
 
 #[test]
-#[cfg_attr(
-    not(has_data),
-    ignore = "built without the shared data beside the project"
-)]
+#[cfg_attr(not(has_data), ignore = "needs the shared data")]
 fn the_demo_is_the_brainsmall_file() {
     let demo = demo().unwrap();
     assert_eq!(demo, load_plain(Path::new("demo")));
@@ -161,10 +146,7 @@ fn the_demo_is_the_brainsmall_file() {
 }
 
 #[test]
-#[cfg_attr(
-    not(has_data),
-    ignore = "built without the shared data beside the project"
-)]
+#[cfg_attr(not(has_data), ignore = "needs the shared data")]
 fn the_classic_volumes_load_with_moderate_counts_and_opacities() {
     let most = [
         ("aneurism", 160_000),

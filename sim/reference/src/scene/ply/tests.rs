@@ -212,10 +212,7 @@ fn absurd_counts_are_refused_at_once() {
 }
 
 #[test]
-#[cfg_attr(
-    not(has_data),
-    ignore = "built without the shared data beside the project"
-)]
+#[cfg_attr(not(has_data), ignore = "needs the shared data")]
 fn a_point_cloud_is_told_that_surface_splats_come_later() {
     let bytes = header(
         "ascii",
