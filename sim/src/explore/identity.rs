@@ -170,6 +170,7 @@ fn of_scene(scene: &Scene) -> String {
         skipped,
         up,
         order,
+        notes: _,
     } = scene;
     let mut digest = Digest::default();
     digest.add(match weight {

@@ -155,10 +155,11 @@ impl Source {
                     transfer: transfer.clone(),
                     light: *light,
                 };
-                let (mut scene, notes) = scene::load_with_notes(&self.path, &options)?;
+                let mut scene = scene::load(&self.path, &options)?;
                 if let Some(degree) = sh_degree {
                     scene.limit_harmonics(*degree);
                 }
+                let notes = scene.notes.clone();
                 (AnyScene::Splats(scene), notes)
             }
             Contents::Surface {

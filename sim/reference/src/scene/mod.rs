@@ -37,7 +37,7 @@ mod format_tests;
 pub(crate) mod tests;
 
 pub use error::{LoadError, Problem};
-pub use load::{LoadOptions, Loaded, demo, load, load_with_notes};
+pub use load::{LoadOptions, demo, load};
 pub use order::SortOrder;
 pub use transfer::Transfer;
 pub use view::Bounds;
@@ -112,6 +112,8 @@ pub struct Scene {
     pub up: [f64; 3],
     /// What its splats are sorted by.
     pub order: SortOrder,
+    /// What its file says that is drawn otherwise here.
+    pub notes: Vec<String>,
 }
 
 impl Scene {
@@ -130,6 +132,7 @@ impl Scene {
             skipped: Skipped::default(),
             up: CAPTURE_UP,
             order: SortOrder::Depth,
+            notes: Vec::new(),
         }
     }
 

@@ -70,6 +70,7 @@ pub(super) fn shade(
     );
     Ok(Scene {
         skipped,
+        notes: volume.notes.clone(),
         ..Scene::of_splats(name, Rules::EWA, splats)
     })
 }

@@ -85,7 +85,7 @@ fn glb(document: &Value, binary: &[u8]) -> Vec<u8> {
 }
 
 fn load_glb(bytes: &[u8]) -> Result<Scene, Problem> {
-    load(bytes, None, "x").map(|(scene, _)| scene)
+    load(bytes, None, "x")
 }
 
 fn changed(change: impl FnOnce(&mut Value)) -> Vec<u8> {
@@ -120,7 +120,7 @@ fn the_same_buffer_may_be_a_data_uri_or_a_file() {
     std::fs::write(folder.path().join("x.bin"), &binary).unwrap();
     document["buffers"][0]["uri"] = json!("x.bin");
     let text = document.to_string();
-    let (found, _) = load(text.as_bytes(), Some(folder.path()), "x").unwrap();
+    let found = load(text.as_bytes(), Some(folder.path()), "x").unwrap();
     assert_eq!(found, expected);
 }
 
@@ -189,24 +189,24 @@ fn the_order_is_the_files() {
                 method.clone();
         })
     };
-    assert_eq!(stated("zDepth").0.order, SortOrder::Depth);
-    assert_eq!(stated("cameraDistance").0.order, SortOrder::Distance);
+    assert_eq!(stated("zDepth").order, SortOrder::Depth);
+    assert_eq!(stated("cameraDistance").order, SortOrder::Distance);
     let silent = loaded(&|document| {
         let extension = &mut document["meshes"][0]["primitives"][0]["extensions"][EXTENSION];
         extension.as_object_mut().unwrap().remove("sortingMethod");
     });
-    assert_eq!((silent.0.order, silent.1.len()), (SortOrder::Distance, 0));
+    assert_eq!((silent.order, silent.notes.len()), (SortOrder::Distance, 0));
     let mixed = loaded(&|document| {
         let primitives = document["meshes"][0]["primitives"].as_array_mut().unwrap();
         let mut other = primitives[0].clone();
         other["extensions"][EXTENSION]["sortingMethod"] = json!("cameraDistance");
         primitives.push(other);
     });
-    assert_eq!(mixed.0.order, SortOrder::Depth);
+    assert_eq!(mixed.order, SortOrder::Depth);
     assert!(
-        mixed.1[0].contains("all are drawn in order of depth"),
+        mixed.notes[0].contains("all are drawn in order of depth"),
         "{:?}",
-        mixed.1
+        mixed.notes
     );
 }
 

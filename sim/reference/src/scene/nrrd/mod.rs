@@ -10,12 +10,12 @@ mod tests;
 use super::bytes::{Endian, Scalar};
 use super::error::Problem;
 use super::volume::header::{HeaderField, LineHeader};
-use super::volume::{Grid, Noted, Packing, data_file, is_spacing};
+use super::volume::{Grid, Packing, Volume, data_file, is_spacing};
 use anyhow::bail;
 use std::path::Path;
 
 /// Loads a volume; `folder` is where a detached header's data file is looked for.
-pub(super) fn load(bytes: &[u8], folder: Option<&Path>) -> Result<Noted, Problem> {
+pub(super) fn load(bytes: &[u8], folder: Option<&Path>) -> Result<Volume, Problem> {
     let (header, attached) = read(bytes)?;
     let grid = grid(&header)?;
     let packing = parse_encoding(header.required("encoding")?)?;
@@ -30,7 +30,7 @@ pub(super) fn load(bytes: &[u8], folder: Option<&Path>) -> Result<Noted, Problem
              add the data, or a 'data file: NAME' line"
         ),
     };
-    Ok((grid.volume(values), Vec::new()))
+    Ok(grid.volume(values, Vec::new()))
 }
 
 /// The header, and what follows its blank line if there is one.

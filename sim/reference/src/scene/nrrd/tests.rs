@@ -2,12 +2,7 @@
 
 use crate::scene::damage_tests::{assert_refused, assert_refused_with, gzip, rows, survives};
 
-use super::super::volume::Volume;
 use super::*;
-
-fn load(bytes: &[u8], folder: Option<&Path>) -> Result<Volume, Problem> {
-    super::load(bytes, folder).map(|(volume, _)| volume)
-}
 
 /// A header of 2 x 1 x 2 voxels with some lines replaced or added.
 fn header(kind: &str, encoding: &str, more: &str) -> String {

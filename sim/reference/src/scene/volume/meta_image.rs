@@ -8,7 +8,7 @@
 use super::super::bytes::{Endian, Scalar};
 use super::super::error::{Problem, shorten};
 use super::header::LineHeader;
-use super::{Grid, Noted, Packing, UNTURNED, data_file, numbers, three_spacings, turned};
+use super::{Grid, Packing, UNTURNED, Volume, data_file, numbers, three_spacings, turned};
 use std::path::Path;
 
 /// The keys that matter.
@@ -33,7 +33,7 @@ const TURNS: [&str; 3] = ["orientation", "rotation", "transformmatrix"];
 const LAST: &str = "elementdatafile";
 
 /// Loads a volume; `folder` is where a data file is looked for.
-pub(in super::super) fn load(bytes: &[u8], folder: Option<&Path>) -> Result<Noted, Problem> {
+pub(in super::super) fn load(bytes: &[u8], folder: Option<&Path>) -> Result<Volume, Problem> {
     let (header, rest) = read(bytes)?;
     let grid = grid(&header)?;
     let packing = match flag(&header, "compresseddata")? {
@@ -47,7 +47,7 @@ pub(in super::super) fn load(bytes: &[u8], folder: Option<&Path>) -> Result<Note
         }
         _ => grid.unpack(&data_file(file.data_file()?, folder)?, packing, "DimSize")?,
     };
-    Ok((grid.volume(values), turned(is_turned(&header)?)))
+    Ok(grid.volume(values, turned(is_turned(&header)?)))
 }
 
 /// The header's fields, and what follows it.

@@ -26,8 +26,8 @@ fn expected() -> Vec<f32> {
     (0..60).map(|index| value(index) as f32).collect()
 }
 
-fn check(name: &str, loaded: Result<Noted, Problem>) {
-    let (volume, _) = loaded.unwrap_or_else(|problem| panic!("{name}: {problem}"));
+fn check(name: &str, loaded: Result<Volume, Problem>) {
+    let volume = loaded.unwrap_or_else(|problem| panic!("{name}: {problem}"));
     assert_eq!(volume.sizes, [3, 4, 5], "{name}");
     assert_eq!(volume.spacings, [0.5, 1.0, 2.0], "{name}");
     assert_eq!(volume.values, expected(), "{name}");
@@ -39,10 +39,10 @@ fn scene(name: &str) -> Scene {
 }
 
 /// What the mutations of a reader need.
-fn drawn(loaded: Result<Noted, Problem>) -> Result<Scene, Problem> {
+fn drawn(loaded: Result<Volume, Problem>) -> Result<Scene, Problem> {
     let transfer = super::super::Transfer::ramp(0.0, 255.0, 1.0);
     let light = super::super::shade::DEFAULT_LIGHT;
-    super::super::shade::shade(&loaded?.0, &transfer, light, "x")
+    super::super::shade::shade(&loaded?, &transfer, light, "x")
 }
 
 #[test]
@@ -52,11 +52,11 @@ fn nifti_files_of_nibabel_are_read() {
         assert_eq!(scene(name).splats.len(), scene("volume.nii").splats.len());
     }
     // The slope is in single precision, as the values are.
-    let (scaled, notes) = nifti::load(&bytes("scaled.nii")).unwrap();
+    let scaled = nifti::load(&bytes("scaled.nii")).unwrap();
     for (value, whole) in scaled.values.iter().zip(expected()) {
         assert!((value - whole / 7.0).abs() < 1e-3, "{value} {whole}");
     }
-    assert_eq!(notes, [TURNED]);
+    assert_eq!(scaled.notes, [TURNED]);
     assert!(nifti::is_nifti(&bytes("volume.nii")) && nifti::is_nifti(&bytes("second.nii")));
 }
 
@@ -191,7 +191,7 @@ fn messages_of_meta_images_name_the_field_and_the_fix() {
     ";
     assert_refused_with(&whole, table, |bytes| meta_image::load(bytes, None));
     let turned = replaced(&whole, "TransformMatrix = 1", "TransformMatrix = -1");
-    assert_eq!(meta_image::load(&turned, None).unwrap().1, [TURNED]);
+    assert_eq!(meta_image::load(&turned, None).unwrap().notes, [TURNED]);
 }
 
 #[cfg(feature = "vti")]

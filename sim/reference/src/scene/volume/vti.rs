@@ -8,7 +8,7 @@
 
 use super::super::bytes::{Endian, Reader, Scalar, unzlib_exact};
 use super::super::error::{Problem, shorten};
-use super::{Grid, Noted, UNTURNED, exact, three_spacings, turned};
+use super::{Grid, UNTURNED, Volume, exact, three_spacings, turned};
 use crate::memory;
 use anyhow::{Context, anyhow, bail, ensure};
 use base64::Engine;
@@ -23,7 +23,7 @@ const MOST_NODES: u32 = 1 << 16;
 const MOST_BLOCK: u64 = 1 << 32;
 
 /// Loads a volume.
-pub(in super::super) fn load(bytes: &[u8]) -> Result<Noted, Problem> {
+pub(in super::super) fn load(bytes: &[u8]) -> Result<Volume, Problem> {
     let (text, appended) = split(bytes)?;
     let options = ParsingOptions {
         nodes_limit: MOST_NODES,
@@ -151,7 +151,7 @@ impl<'a> VtiFile<'a> {
         })
     }
 
-    fn volume(self) -> Result<Noted, Problem> {
+    fn volume(self) -> Result<Volume, Problem> {
         let needed = self.grid.bytes("WholeExtent")?;
         let format = one_of(self.array, "format", &["ascii", "binary", "appended"])?;
         let text = || self.array.text().unwrap_or_default();
@@ -172,7 +172,7 @@ impl<'a> VtiFile<'a> {
             ("appended", None) => bail!("VTI, AppendedData: it is missing; fetch the file again"),
             _ => numbers(text(), self.grid.count("WholeExtent")?)?,
         };
-        Ok((self.grid.volume(values), self.notes))
+        Ok(self.grid.volume(values, self.notes))
     }
 
     fn appended_at(&self, data: &'a [u8]) -> Result<&'a [u8], Problem> {
