@@ -231,9 +231,10 @@ mod tests {
             size: [120, 90],
             focal: [100.0, 100.0],
             principal: [60.0, 45.0],
-            distortion: Distortion::Polynomial {
-                radial: [0.15, 0.02, 0.0, 0.0, 0.0, 0.0],
+            distortion: Distortion {
+                radial: [0.15, 0.02, 0.0, 0.0],
                 tangential: [0.002, -0.001],
+                ..Distortion::default()
             },
         };
         let colour = |ray: [f64; 2]| 0.5 + 0.4 * ray[0] - 0.3 * ray[1] + 0.2 * ray[0] * ray[1];
