@@ -8,6 +8,7 @@
 use std::fmt;
 use std::path::Path;
 
+use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 
 use crate::input;
@@ -140,15 +141,11 @@ pub struct CameraFile {
 
 impl From<&Camera> for CameraFile {
     fn from(camera: &Camera) -> CameraFile {
-        let [right, down, forward] = camera.rotation;
-        let translation = camera.translation;
-        let row = |axis: Vector, offset: f64| [axis[0], axis[1], axis[2], offset];
-        let rows = [
-            row(right, translation[0]),
-            row(down, translation[1]),
-            row(forward, translation[2]),
-            [0.0, 0.0, 0.0, 1.0],
-        ];
+        let row = |i: usize| {
+            let [x, y, z] = camera.rotation[i];
+            [x, y, z, camera.translation[i]]
+        };
+        let rows = [row(0), row(1), row(2), [0.0, 0.0, 0.0, 1.0]];
         CameraFile {
             width: camera.width as u64,
             height: camera.height as u64,
@@ -164,17 +161,10 @@ impl From<&Camera> for CameraFile {
     }
 }
 
-/// What tells a report from a camera file.
+/// What a camera is taken from in a report.json, or what tells that from a camera file.
 #[derive(Deserialize)]
-struct HasCamera {
-    #[serde(rename = "camera")]
-    _camera: serde::de::IgnoredAny,
-}
-
-/// What a camera is taken from in a report.json.
-#[derive(Deserialize)]
-struct ReportFile {
-    camera: CameraFile,
+struct ReportFile<Camera> {
+    camera: Camera,
 }
 
 fn default_near() -> f64 {
@@ -262,9 +252,9 @@ impl Camera {
     pub fn corrected_from_json_str(text: &str) -> Result<(Camera, f64), CameraError> {
         let wrong =
             |error: serde_json::Error| CameraError::whole(format!("not a camera in JSON: {error}"));
-        let is_report = serde_json::from_str::<HasCamera>(text).is_ok();
+        let is_report = serde_json::from_str::<ReportFile<IgnoredAny>>(text).is_ok();
         let file = if is_report {
-            serde_json::from_str(text).map(|ReportFile { camera }| camera)
+            serde_json::from_str(text).map(|report: ReportFile<_>| report.camera)
         } else {
             serde_json::from_str(text)
         };

@@ -10,7 +10,6 @@ pub mod png;
 use crate::atomic;
 use crate::input::Refused;
 use ::png::{BitDepth, ColorType};
-use png::PngSamples;
 use std::path::Path;
 
 /// What a PNG file shows behind the picture.
@@ -140,14 +139,7 @@ impl Picture {
                 values.flat_map(u16::to_be_bytes).collect(),
             ),
         };
-        let samples = PngSamples {
-            size: [self.width, self.height],
-            colour,
-            depth,
-            bytes: &bytes,
-        };
-        samples
-            .encode()
+        png::encode([self.width, self.height], colour, depth, &bytes)
             .map_err(|error| Refused(format!("a picture that makes no PNG: {error}")))
     }
 

@@ -7,7 +7,7 @@
 //! crate: docs/systems.md.
 
 use sprs::linalg::bicgstab::BiCGSTAB;
-use sprs::{CsMat, CsVec};
+use sprs::{CsMat, CsVec, TriMat};
 
 /// lambda: keeps points determined that no sample sees, far below what changes a colour visibly.
 const DAMPING: f64 = 1e-4;
@@ -94,19 +94,14 @@ impl NormalEquations {
     /// R^T R with the damping on its diagonal, by columns: the crate multiplies those by a full vector in linear time.
     fn matrix(&self, damping: f64) -> CsMat<f64> {
         let count = self.rows.len();
-        let (mut starts, mut indices, mut values) = (vec![0], Vec::new(), Vec::new());
+        let mut matrix = TriMat::new((count, count));
         for (k, entries) in self.rows.iter().enumerate() {
-            let mut column = entries.clone();
-            match column.iter_mut().find(|(index, _)| *index == k) {
-                Some((_, value)) => *value += damping,
-                None => column.push((k, damping)),
+            for (index, value) in entries {
+                matrix.add_triplet(*index, k, *value);
             }
-            column.sort_unstable_by_key(|(index, _)| *index);
-            indices.extend(column.iter().map(|(index, _)| *index));
-            values.extend(column.iter().map(|(_, value)| *value));
-            starts.push(indices.len());
+            matrix.add_triplet(k, k, damping);
         }
-        CsMat::new_csc((count, count), starts, indices, values)
+        matrix.to_csc()
     }
 }
 

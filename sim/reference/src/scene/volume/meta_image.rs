@@ -11,22 +11,6 @@ use super::header::LineHeader;
 use super::{Grid, Packing, UNTURNED, Volume, data_file, numbers, three_spacings, turned};
 use std::path::Path;
 
-/// The keys that matter.
-const KEYS: [&str; 13] = [
-    "ndims",
-    "dimsize",
-    "elementtype",
-    "elementspacing",
-    "elementsize",
-    "elementnumberofchannels",
-    "binarydata",
-    "binarydatabyteordermsb",
-    "elementbyteordermsb",
-    "compresseddata",
-    "compresseddatasize",
-    "headersize",
-    LAST,
-];
 /// Those of the turn of the grid, which differ from version to version.
 const TURNS: [&str; 3] = ["orientation", "rotation", "transformmatrix"];
 
@@ -79,12 +63,44 @@ fn add(header: &mut LineHeader, line: &str) -> Result<(), Problem> {
     }
     match key.as_str() {
         // These describe the data without changing how they are read.
-        "comment" | "objecttype" | "objectsubtype" | "transformtype" | "name" | "id"
-        | "parentid" | "color" | "centerofrotation" | "offset" | "origin" | "position"
-        | "distanceunits" | "modality" | "elementmin" | "elementmax" | "elementnbits"
-        | "sequenceid" | "imageposition" | "creationdate" | "acquisitiondate" => Ok(()),
-        "anatomicalorientation" => Ok(()),
-        key if KEYS.contains(&key) || TURNS.contains(&key) => header.add(key, name, value),
+        "comment"
+        | "objecttype"
+        | "objectsubtype"
+        | "transformtype"
+        | "name"
+        | "id"
+        | "parentid"
+        | "color"
+        | "centerofrotation"
+        | "offset"
+        | "origin"
+        | "position"
+        | "distanceunits"
+        | "modality"
+        | "elementmin"
+        | "elementmax"
+        | "elementnbits"
+        | "sequenceid"
+        | "imageposition"
+        | "creationdate"
+        | "acquisitiondate"
+        | "anatomicalorientation" => Ok(()),
+        "ndims"
+        | "dimsize"
+        | "elementtype"
+        | "elementspacing"
+        | "elementsize"
+        | "elementnumberofchannels"
+        | "binarydata"
+        | "binarydatabyteordermsb"
+        | "elementbyteordermsb"
+        | "compresseddata"
+        | "compresseddatasize"
+        | "headersize"
+        | LAST
+        | "orientation"
+        | "rotation"
+        | "transformmatrix" => header.add(&key, name, value),
         _ => Err(header.unsupported(name)),
     }
 }
