@@ -3,7 +3,7 @@
 #[cfg(feature = "vti")]
 use super::super::damage_tests::rows;
 use super::super::damage_tests::{
-    assert_refused, assert_refused_with, assert_told, gzip, replaced, survives,
+    assert_refused, assert_refused_at, assert_refused_with, assert_told, gzip, replaced, survives,
 };
 use super::super::{LoadOptions, Scene, load};
 use super::*;
@@ -107,37 +107,17 @@ fn damaged_volumes_are_refused() {
 
 #[test]
 fn messages_of_nifti_name_the_field_and_the_fix() {
-    let nan = f32::NAN.to_le_bytes();
-    for (place, stored, expected) in [
-        (0, &[7][..], "sizeof_hdr: it is 263; 348 and 540 are read"),
-        (
-            344,
-            b"ni1\0",
-            "magic: it is not that of a single file; join header (.hdr)",
-        ),
-        (
-            70,
-            &[32, 0],
-            "datatype: it is 32; convert to integers of 8 to 32 bits",
-        ),
-        (40, &[2, 0], "dim: it is 2 3 4 5 1 1 1 1; give one volume"),
-        (42, &[0, 0], "dim: it is 3 0 4 5 1 1 1 1; give one volume"),
-        (
-            46,
-            &[9, 0],
-            "volume data: 216 bytes are needed but 120 are left",
-        ),
-        (80, &nan, "pixdim: [NaN, 1.0, 2.0] are no distances"),
-        (
-            108,
-            &[0; 4],
-            "vox_offset: it is 0; the data of a single file begin",
-        ),
-    ] {
-        let mut whole = bytes("volume.nii");
-        whole[place..place + stored.len()].copy_from_slice(stored);
-        assert_refused(&[(whole, expected)], nifti::load);
-    }
+    let table = r"
+        0 => 07 => sizeof_hdr: it is 263; 348 and 540 are read
+        344 => 6e 69 31 00 => magic: it is not that of a single file; join header (.hdr)
+        70 => 20 00 => datatype: it is 32; convert to integers of 8 to 32 bits
+        40 => 02 00 => dim: it is 2 3 4 5 1 1 1 1; give one volume
+        42 => 00 00 => dim: it is 3 0 4 5 1 1 1 1; give one volume
+        46 => 09 00 => volume data: 216 bytes are needed but 120 are left
+        80 => 00 00 c0 7f => pixdim: [NaN, 1.0, 2.0] are no distances
+        108 => 00 00 00 00 => vox_offset: it is 0; the data of a single file begin
+    ";
+    assert_refused_at(&bytes("volume.nii"), table, nifti::load);
 }
 
 #[test]
