@@ -173,12 +173,12 @@ impl Picture {
 
     /// The same from the file's bytes.
     pub fn from_png(bytes: &[u8]) -> anyhow::Result<Picture> {
-        let image = png::decode(bytes)?;
+        let ([width, height], pixels) = png::decode(bytes)?;
         let share = |pixel: &[u16; 4]| pixel.map(|value| f64::from(value) / 65535.0);
-        let pixels = image.pixels.iter().map(|pixel| premultiplied(share(pixel)));
+        let pixels = pixels.iter().map(|pixel| premultiplied(share(pixel)));
         Ok(Picture {
-            width: image.width,
-            height: image.height,
+            width,
+            height,
             pixels: pixels.collect(),
         })
     }

@@ -82,19 +82,9 @@ fn samples_of(file: &Path) -> Result<(OutputInfo, Vec<u8>)> {
     Ok((info, samples))
 }
 
-/// A file's pixels: red, green, blue and opacity of 16 bits, which hold 8-bit values without loss (v / 255 = 257 v /
-/// 65535).
-pub struct PngPixels {
-    /// Columns.
-    pub width: usize,
-    /// Rows.
-    pub height: usize,
-    /// Row by row, colours not premultiplied.
-    pub pixels: Vec<[u16; 4]>,
-}
-
-/// Reads a file of any depth and colour type.
-pub fn decode(file: &[u8]) -> Result<PngPixels> {
+/// Columns and rows of a file of any depth and colour type, and its pixels row by row: red, green, blue, not
+/// premultiplied, and opacity, of 16 bits, which hold 8-bit values without loss (v / 255 = 257 v / 65535).
+pub fn decode(file: &[u8]) -> Result<([usize; 2], Vec<[u16; 4]>)> {
     let limits = Limits { bytes: LARGEST };
     let mut decoder = Decoder::new_with_limits(Cursor::new(file), limits);
     decoder.set_transformations(Transformations::EXPAND);
@@ -125,11 +115,7 @@ pub fn decode(file: &[u8]) -> Result<PngPixels> {
             .map(|pixel| rgba(channels, |c| 257 * u16::from(pixel[c])))
             .collect(),
     };
-    Ok(PngPixels {
-        width: width as usize,
-        height: height as usize,
-        pixels,
-    })
+    Ok(([width as usize, height as usize], pixels))
 }
 
 /// One channel is grey, an even number of them has opacity last.
@@ -206,10 +192,10 @@ mod tests {
         for kind in kinds {
             let mut file = Cursor::new(Vec::new());
             kind.write_to(&mut file, ImageFormat::Png).unwrap();
-            let read = decode(file.get_ref()).unwrap();
-            assert_eq!([read.width, read.height], [7, 5]);
+            let (size, read) = decode(file.get_ref()).unwrap();
+            assert_eq!(size, [7, 5]);
             let expected: Vec<[u16; 4]> = kind.to_rgba16().pixels().map(|pixel| pixel.0).collect();
-            assert_eq!(read.pixels, expected, "{:?}", kind.color());
+            assert_eq!(read, expected, "{:?}", kind.color());
         }
     }
 

@@ -46,12 +46,8 @@ impl<'a> Reader<'a> {
 
     /// The next `N` bytes as an array.
     pub(crate) fn array<const N: usize>(&mut self, field: &str) -> Result<[u8; N], Problem> {
-        let (taken, rest) = self
-            .rest
-            .split_first_chunk::<N>()
-            .ok_or_else(|| truncated(field, N as u64, self.rest.len()))?;
-        self.rest = rest;
-        Ok(*taken)
+        let taken = self.take(N, field)?;
+        Ok(taken.first_chunk().copied().unwrap_or([0; N]))
     }
 
     /// The next number, least significant byte first.

@@ -172,16 +172,16 @@ fn decode(path: &Path) -> Result<Texture, Problem> {
 const JPEG: &[u8] = &[0xff, 0xd8, 0xff];
 
 fn from_png(bytes: &[u8]) -> Result<Texture, Problem> {
-    let picture = png::decode(bytes)?;
+    let ([width, height], pixels) = png::decode(bytes)?;
     ensure!(
-        picture.width.max(picture.height) <= LARGEST_SIDE,
+        width.max(height) <= LARGEST_SIDE,
         "a side has more than {LARGEST_SIDE} texels"
     );
     let texel = |[r, g, b, _]: &[u16; 4]| [r, g, b].map(|value| f64::from(*value) / 65535.0);
     Ok(Texture {
-        width: picture.width,
-        height: picture.height,
-        texels: picture.pixels.iter().map(texel).collect(),
+        width,
+        height,
+        texels: pixels.iter().map(texel).collect(),
     })
 }
 

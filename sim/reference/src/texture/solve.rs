@@ -6,6 +6,7 @@
 //! entries for a photograph of 2048^2), and solved per colour channel by the BiCGSTAB of the crate `sprs`. Why this
 //! crate: docs/systems.md.
 
+use anyhow::{Result, ensure};
 use sprs::linalg::bicgstab::BiCGSTAB;
 use sprs::{CsMat, CsVec, TriMat};
 
@@ -23,18 +24,6 @@ pub struct NormalEquations {
     rows: Vec<Vec<(usize, f64)>>,
     /// R^T c.
     right: Vec<[f64; 3]>,
-}
-
-/// The iteration did not come to an end, or not to a finite one.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error(
-    "the texture coefficients did not converge: residual {residual:.1e} after {iterations} iterations; use plain or prefiltered coefficients"
-)]
-pub struct NotConverged {
-    /// Norm of the residual, in norms of the right-hand side.
-    pub residual: f64,
-    /// Iterations made.
-    pub iterations: usize,
 }
 
 impl NormalEquations {
@@ -63,7 +52,7 @@ impl NormalEquations {
     }
 
     /// The unknowns, damped towards `start`.
-    pub fn solve(&self, start: &[[f64; 3]]) -> Result<Vec<[f64; 3]>, NotConverged> {
+    pub fn solve(&self, start: &[[f64; 3]]) -> Result<Vec<[f64; 3]>> {
         let mut unknowns = start.to_vec();
         let diagonal = self.mean_diagonal();
         if diagonal == 0.0 {
@@ -106,11 +95,7 @@ impl NormalEquations {
 }
 
 /// One channel's unknowns.
-fn solve_one(
-    matrix: &CsMat<f64>,
-    right: CsVec<f64>,
-    start: CsVec<f64>,
-) -> Result<Vec<f64>, NotConverged> {
+fn solve_one(matrix: &CsMat<f64>, right: CsVec<f64>, start: CsVec<f64>) -> Result<Vec<f64>> {
     let norm = right.l2_norm().max(f64::MIN_POSITIVE);
     let tolerance = TOLERANCE * norm;
     let fresh = BiCGSTAB::<f64, _, _>::new(matrix.view(), start.view(), right.view());
@@ -131,14 +116,14 @@ fn solve_one(
         Err(solver) => (false, solver),
     };
     let values = solver.x().to_dense().to_vec();
-    if ended && values.iter().all(|value| value.is_finite()) {
-        Ok(values)
-    } else {
-        Err(NotConverged {
-            residual: solver.err() / norm,
-            iterations: solver.iteration_count(),
-        })
-    }
+    ensure!(
+        ended && values.iter().all(|value| value.is_finite()),
+        "the texture coefficients did not converge: residual {:.1e} after {} iterations; \
+         use plain or prefiltered coefficients",
+        solver.err() / norm,
+        solver.iteration_count()
+    );
+    Ok(values)
 }
 
 /// The crate's vectors are sparse; these have every entry.

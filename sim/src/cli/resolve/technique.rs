@@ -21,7 +21,7 @@ use crate::scene::Scene;
 use crate::scene::points::SurfaceScene;
 use crate::scene::points::flatten::flattened;
 use crate::scene::points::height_field::is_height_field;
-use crate::scene::points::orientation::Orientation;
+use crate::scene::points::orientation::is_closed_outwards;
 use crate::surface::{Buffer, Style, USUAL_EDGE};
 use crate::texture::warp;
 use anyhow::{Result, ensure};
@@ -313,7 +313,7 @@ fn culls_backfaces(options: &SurfaceArgs, scene: &SurfaceScene) -> bool {
         Backfaces::Off => false,
         Backfaces::Auto => {
             let opaque = scene.points.iter().all(|point| point.opacity >= 1.0);
-            opaque && Orientation::of(scene).is_closed_outwards()
+            opaque && is_closed_outwards(&scene.points)
         }
     }
 }
