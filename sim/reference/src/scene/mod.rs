@@ -73,6 +73,18 @@ pub struct Splat {
     pub colour: [f64; 3],
 }
 
+impl Splat {
+    /// An opaque sphere of this standard deviation.
+    pub(crate) fn sphere(centre: [f64; 3], deviation: f64, colour: [f64; 3]) -> Splat {
+        Splat {
+            centre,
+            axes: vector::diagonal([deviation; 3]),
+            weight: 1.0,
+            colour,
+        }
+    }
+}
+
 /// View-dependent colour: coefficients of degree 1 and up, per splat.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Harmonics {
