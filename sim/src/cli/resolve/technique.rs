@@ -10,7 +10,6 @@ use crate::cli::say::usage;
 use crate::cli::values::{AntialiasChoice, Backfaces, SceneKind};
 use crate::cli::view_args::{SplatArgs, SurfaceArgs, ViewOptions};
 use crate::hybrid::{Hybrid, Points, spacing};
-use crate::plan::load::SourceCamera;
 use crate::plan::{
     AlphaChannel, AnyScene, Contents, Engine, SheetBuffers, Source, SplatMethod, SplatTechnique,
     Technique,
@@ -82,7 +81,7 @@ impl PlanRequest<'_> {
             texture: photograph.map(|photograph| (photograph, options.coefficients)),
             spacing: options.spacing,
             flatten: options.flatten,
-            depth_image: pose.map(|pose| SourceCamera(pose.camera)),
+            depth_image: pose.map(|pose| pose.camera),
         })
     }
 

@@ -120,7 +120,7 @@ pub fn report(fixed: &Picture, float: &Picture) -> Report {
             order: SortOrder::Depth,
         },
         warnings: vec!["brainsmall: 3 splats clamped".to_owned()],
-        camera: (&camera).into(),
+        camera: camera.clone(),
         rules: Rules::GAUSSIAN_3D,
         compositing: Compositing::FrontToBack.name().to_owned(),
         error: ErrorFacts::between(fixed, float).ok(),
