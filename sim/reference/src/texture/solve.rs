@@ -134,32 +134,7 @@ fn dense(values: Vec<f64>) -> CsVec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// Gaussian elimination with pivoting: the oracle.
-    fn eliminated(mut matrix: Vec<Vec<f64>>, mut right: Vec<f64>) -> Vec<f64> {
-        let count = right.len();
-        for column in 0..count {
-            let pivot = (column..count)
-                .max_by(|&a, &b| matrix[a][column].abs().total_cmp(&matrix[b][column].abs()))
-                .unwrap();
-            matrix.swap(column, pivot);
-            right.swap(column, pivot);
-            for row in column + 1..count {
-                let factor = matrix[row][column] / matrix[column][column];
-                let upper = matrix[column].clone();
-                for (entry, above) in matrix[row].iter_mut().zip(upper) {
-                    *entry -= factor * above;
-                }
-                right[row] -= factor * right[column];
-            }
-        }
-        let mut found = vec![0.0; count];
-        for row in (0..count).rev() {
-            let known: f64 = (row + 1..count).map(|k| matrix[row][k] * found[k]).sum();
-            found[row] = (right[row] - known) / matrix[row][row];
-        }
-        found
-    }
+    use crate::vector;
 
     #[test]
     fn the_solution_is_that_of_dense_elimination() {
@@ -170,8 +145,8 @@ mod tests {
             f64::from(state >> 8) / f64::from(1 << 24)
         };
         let mut equations = NormalEquations::new(count);
-        let mut dense = vec![vec![0.0; count]; count];
-        let mut right = vec![0.0; count];
+        // With the right-hand side behind each row.
+        let mut dense = vec![vec![0.0; count + 1]; count];
         for sample in 0..60 {
             let row: Vec<(usize, f64)> = (0..3)
                 .map(|step| ((sample + 2 * step) % count, 0.1 + random()))
@@ -179,20 +154,20 @@ mod tests {
             let colour = [random(), random(), random()];
             equations.add(&row, colour);
             for &(k, a) in &row {
-                right[k] += a * colour[1];
+                dense[k][count] += a * colour[1];
                 row.iter().for_each(|&(l, b)| dense[k][l] += a * b);
             }
         }
         let start = vec![[0.5; 3]; count];
         let mean = (0..count).map(|k| dense[k][k]).sum::<f64>() / count as f64;
-        for k in 0..count {
-            dense[k][k] += DAMPING * mean;
-            right[k] += DAMPING * mean * 0.5;
+        for (k, row) in dense.iter_mut().enumerate() {
+            row[k] += DAMPING * mean;
+            row[count] += DAMPING * mean * 0.5;
         }
-        let expected = eliminated(dense, right);
+        vector::eliminate(&mut dense);
         let solution = equations.solve(&start).unwrap();
-        for (found, expected) in solution.iter().zip(expected) {
-            assert!((found[1] - expected).abs() < 1e-6, "{found:?} {expected}");
+        for (found, row) in solution.iter().zip(dense) {
+            assert!((found[1] - row[count]).abs() < 1e-6, "{found:?} {row:?}");
         }
     }
 

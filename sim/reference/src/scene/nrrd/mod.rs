@@ -85,9 +85,11 @@ fn grid(header: &LineHeader) -> Result<Grid, Problem> {
         return Err(dimension.is("give a 3D volume"));
     }
     let kind = parse_kind(header.required("type")?)?;
-    let endian = match header.get("endian") {
+    let endian = match header.get("endian").map(|field| field.value.as_str()) {
         None if kind.size() == 1 => Endian::Little,
-        _ => parse_endian(header.required("endian")?)?,
+        Some("little") => Endian::Little,
+        Some("big") => Endian::Big,
+        _ => return Err(header.required("endian")?.is("write 'little' or 'big'")),
     };
     Ok(Grid {
         sizes: header.required("sizes")?.sizes()?,
@@ -109,14 +111,6 @@ fn parse_kind(field: &HeaderField) -> Result<Scalar, Problem> {
         }
         "float" => Ok(Scalar::F32),
         _ => Err(field.is_not("supported", "convert to uchar, short, ushort or float")),
-    }
-}
-
-fn parse_endian(field: &HeaderField) -> Result<Endian, Problem> {
-    match field.value.as_str() {
-        "little" => Ok(Endian::Little),
-        "big" => Ok(Endian::Big),
-        _ => Err(field.is("write 'little' or 'big'")),
     }
 }
 
