@@ -8,6 +8,7 @@
 use std::fmt;
 use std::path::Path;
 
+use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 
 use crate::input;
@@ -30,7 +31,8 @@ pub const NOTABLE_CORRECTION: f64 = 1e-6;
 const MIN_SINE_TO_UP: f64 = 1e-6;
 
 /// Pinhole or orthographic camera in double precision.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(into = "CameraFile", try_from = "CameraFile")]
 pub struct Camera {
     /// Columns of the picture.
     pub width: usize,
@@ -110,45 +112,33 @@ impl fmt::Display for CameraError {
 impl std::error::Error for CameraError {}
 
 /// The camera file as it stands on disk and in reports.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct CameraFile {
-    /// Columns of the picture.
-    pub width: u64,
-    /// Rows of the picture.
-    pub height: u64,
-    /// Horizontal focal length in pixels.
-    pub fx: f64,
-    /// Vertical focal length in pixels.
-    pub fy: f64,
-    /// Column of the principal point, pixels.
-    pub cx: f64,
-    /// Row of the principal point, pixels.
-    pub cy: f64,
+struct CameraFile {
+    width: u64,
+    height: u64,
+    fx: f64,
+    fy: f64,
+    cx: f64,
+    cy: f64,
     /// Four rows of four.
-    pub world_to_camera: Vec<f64>,
-    /// Nearest depth drawn.
+    world_to_camera: Vec<f64>,
     #[serde(default = "default_near")]
-    pub near: f64,
-    /// Farthest depth drawn. Null, as a report writes it, is no limit.
+    near: f64,
+    /// Null, as a report writes it, is no limit.
     #[serde(default = "default_far")]
-    pub far: Option<f64>,
-    /// Parallel projection.
+    far: Option<f64>,
     #[serde(default)]
-    pub orthographic: bool,
+    orthographic: bool,
 }
 
-impl From<&Camera> for CameraFile {
-    fn from(camera: &Camera) -> CameraFile {
-        let [right, down, forward] = camera.rotation;
-        let translation = camera.translation;
-        let row = |axis: Vector, offset: f64| [axis[0], axis[1], axis[2], offset];
-        let rows = [
-            row(right, translation[0]),
-            row(down, translation[1]),
-            row(forward, translation[2]),
-            [0.0, 0.0, 0.0, 1.0],
-        ];
+impl From<Camera> for CameraFile {
+    fn from(camera: Camera) -> CameraFile {
+        let row = |i: usize| {
+            let [x, y, z] = camera.rotation[i];
+            [x, y, z, camera.translation[i]]
+        };
+        let rows = [row(0), row(1), row(2), [0.0, 0.0, 0.0, 1.0]];
         CameraFile {
             width: camera.width as u64,
             height: camera.height as u64,
@@ -164,17 +154,50 @@ impl From<&Camera> for CameraFile {
     }
 }
 
-/// What tells a report from a camera file.
-#[derive(Deserialize)]
-struct HasCamera {
-    #[serde(rename = "camera")]
-    _camera: serde::de::IgnoredAny,
+impl CameraFile {
+    /// The camera, checked and corrected.
+    fn sound(self) -> Result<(Camera, f64), CameraError> {
+        let field = "world_to_camera";
+        let matrix = self.world_to_camera.try_into();
+        let matrix: [f64; 16] = matrix.map_err(|numbers: Vec<f64>| {
+            let count = numbers.len();
+            let problem = format!("has {count} numbers, but must have 16, row by row");
+            CameraError::new(field, problem)
+        })?;
+        let row = |i: usize| [matrix[4 * i], matrix[4 * i + 1], matrix[4 * i + 2]];
+        let last = &matrix[12..];
+        check(last == [0.0, 0.0, 0.0, 1.0], field, || {
+            format!("ends in the row {last:?}, but must end in 0 0 0 1 (row-major)")
+        })?;
+        Camera {
+            width: usize::try_from(self.width).unwrap_or(usize::MAX),
+            height: usize::try_from(self.height).unwrap_or(usize::MAX),
+            fx: self.fx,
+            fy: self.fy,
+            cx: self.cx,
+            cy: self.cy,
+            rotation: [row(0), row(1), row(2)],
+            translation: [matrix[3], matrix[7], matrix[11]],
+            near: self.near,
+            far: self.far.unwrap_or(f64::INFINITY),
+            orthographic: self.orthographic,
+        }
+        .sound()
+    }
 }
 
-/// What a camera is taken from in a report.json.
+impl TryFrom<CameraFile> for Camera {
+    type Error = CameraError;
+
+    fn try_from(file: CameraFile) -> Result<Camera, CameraError> {
+        Ok(file.sound()?.0)
+    }
+}
+
+/// What a camera is taken from in a report.json, or what tells that from a camera file.
 #[derive(Deserialize)]
-struct ReportFile {
-    camera: CameraFile,
+struct ReportFile<Camera> {
+    camera: Camera,
 }
 
 fn default_near() -> f64 {
@@ -262,41 +285,14 @@ impl Camera {
     pub fn corrected_from_json_str(text: &str) -> Result<(Camera, f64), CameraError> {
         let wrong =
             |error: serde_json::Error| CameraError::whole(format!("not a camera in JSON: {error}"));
-        let is_report = serde_json::from_str::<HasCamera>(text).is_ok();
+        let is_report = serde_json::from_str::<ReportFile<IgnoredAny>>(text).is_ok();
         let file = if is_report {
-            serde_json::from_str(text).map(|ReportFile { camera }| camera)
+            serde_json::from_str(text).map(|report: ReportFile<_>| report.camera)
         } else {
             serde_json::from_str(text)
         };
         let file: CameraFile = file.map_err(wrong)?;
-        let field = "world_to_camera";
-        let matrix: [f64; 16] = file
-            .world_to_camera
-            .try_into()
-            .map_err(|numbers: Vec<f64>| {
-                let count = numbers.len();
-                let problem = format!("has {count} numbers, but must have 16, row by row");
-                CameraError::new(field, problem)
-            })?;
-        let row = |i: usize| [matrix[4 * i], matrix[4 * i + 1], matrix[4 * i + 2]];
-        let last = &matrix[12..];
-        check(last == [0.0, 0.0, 0.0, 1.0], field, || {
-            format!("ends in the row {last:?}, but must end in 0 0 0 1 (row-major)")
-        })?;
-        Camera {
-            width: usize::try_from(file.width).unwrap_or(usize::MAX),
-            height: usize::try_from(file.height).unwrap_or(usize::MAX),
-            fx: file.fx,
-            fy: file.fy,
-            cx: file.cx,
-            cy: file.cy,
-            rotation: [row(0), row(1), row(2)],
-            translation: [matrix[3], matrix[7], matrix[11]],
-            near: file.near,
-            far: file.far.unwrap_or(f64::INFINITY),
-            orthographic: file.orthographic,
-        }
-        .sound()
+        file.sound()
     }
 
     /// The camera, checked, with the nearest rotation, and by how much an entry of it was corrected.
@@ -336,7 +332,7 @@ impl Camera {
     /// The camera as the text of a camera file; reading it back gives the same camera.
     pub fn to_json(&self) -> String {
         // Numbers, a list and a flag always have a JSON form, so the error case does not arise.
-        serde_json::to_string_pretty(&CameraFile::from(self)).unwrap_or_default()
+        serde_json::to_string_pretty(self).unwrap_or_default()
     }
 
     /// The eye in world space, `-W^-1 d`: the place that the view maps to 0, also where W is a rotation only nearly.

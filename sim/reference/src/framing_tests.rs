@@ -179,10 +179,7 @@ fn no_camera_is_placed_where_squares_overflow() {
 
 /// The scenes of the issue, which the older views cut.
 #[test]
-#[cfg_attr(
-    not(has_data),
-    ignore = "built without the shared data beside the project"
-)]
+#[cfg_attr(not(has_data), ignore = "needs the shared data")]
 fn captured_scenes_are_shown_whole() {
     for file in [
         "gaussians/guitar.ply",

@@ -8,21 +8,10 @@
 use std::fs;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Why work is not begun.
+/// Why work is not begun: what takes how much memory, what is available, and what to do about it.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{what} would take about {needed} MB of memory, {of}{limit} MB are available: {fix}")]
-pub struct TooLarge {
-    /// What takes it.
-    pub what: String,
-    /// Estimate, in millions of bytes.
-    pub needed: u64,
-    /// Available, in millions of bytes.
-    pub limit: u64,
-    /// `of the 300 MB granted `; nothing where the user has named no limit.
-    pub of: String,
-    /// What to do about it.
-    pub fix: &'static str,
-}
+#[error("{0}")]
+pub struct TooLarge(String);
 
 const MEGABYTE: u64 = 1_000_000;
 /// Granted without asking the system, which takes some microseconds.
@@ -88,16 +77,13 @@ fn within(bytes: u64, limit: Option<u64>, what: &str, fix: &'static str) -> Resu
 }
 
 fn too_large(bytes: u64, limit: u64, what: &str, fix: &'static str) -> TooLarge {
-    TooLarge {
-        what: what.to_owned(),
-        needed: bytes.div_ceil(MEGABYTE),
-        limit: limit / MEGABYTE,
-        // The user's own number: what the process has left of it would read as another limit.
-        of: granted().map_or_else(String::new, |bytes| {
-            format!("of the {} MB granted ", bytes / MEGABYTE)
-        }),
-        fix,
-    }
+    let (needed, limit) = (bytes.div_ceil(MEGABYTE), limit / MEGABYTE);
+    // The user's own number: what the process has left of it would read as another limit.
+    let of = granted().map(|bytes| format!("of the {} MB granted ", bytes / MEGABYTE));
+    let of = of.unwrap_or_default();
+    TooLarge(format!(
+        "{what} would take about {needed} MB of memory, {of}{limit} MB are available: {fix}"
+    ))
 }
 
 /// What the user grants, if anything.

@@ -60,19 +60,6 @@ fn close(a: f64, b: f64, tolerance: f64) -> bool {
 }
 
 #[test]
-fn a_constant_offset_gives_its_textbook_figures() {
-    let float = picture(20, 15, |_, _, _| 0.5);
-    let fixed = picture(20, 15, |_, _, c| if c == 3 { 0.5 } else { 0.51 });
-    let errors = compare(&fixed, &float).unwrap();
-    assert!(close(errors.colour.psnr_db, 40.0, 1e-9), "{errors:?}");
-    assert!(close(errors.colour.max_abs, 0.01, 1e-12));
-    assert!(close(errors.colour.bias, 0.01, 1e-12));
-    assert_eq!(errors.alpha.psnr_db, f64::INFINITY);
-    assert_eq!((errors.alpha.max_abs, errors.alpha.bias), (0.0, 0.0));
-    assert!(close(errors.alpha.ssim, 1.0, 1e-12));
-}
-
-#[test]
 fn empty_background_does_not_dilute_the_covered_figures() {
     // A covered square of 24 x 18 in pictures of growing size: the same figures over covered pixels, growing ones over
     // the whole.
@@ -267,17 +254,11 @@ fn similarity_to_a_photograph_is_the_trainers() {
         ((7 * x + 5 * y * (c + 1) + x * y + 3 * (x % 4)) % 97) as f64 / 96.0
     });
     let found = photo_error(&drawn, &photograph).unwrap();
-    assert!(close(found.ssim, EXPECTED_SSIM, 1e-9), "{found:?}");
-    assert!(close(found.psnr_db, EXPECTED_PSNR, 1e-9), "{found:?}");
+    assert!(close(found.ssim, 0.8004024429140816, 1e-9), "{found:?}");
+    assert!(close(found.psnr_db, 13.858985751896785, 1e-9), "{found:?}");
     // Without zeros around and of one channel alone: what scikit-image calls structural similarity with Gaussian
     // weights.
     let grey = |p: &Picture| picture(24, 17, |x, y, _| p.pixels[24 * y + x][0]);
     let inside = colour_error(&grey(&drawn), &grey(&photograph)).ssim;
-    assert!(close(inside, SCIKIT_SSIM, 1e-9), "{inside}");
+    assert!(close(inside, 0.6048744374957827, 1e-9), "{inside}");
 }
-
-const EXPECTED_SSIM: f64 = 0.8004024429140816;
-
-const EXPECTED_PSNR: f64 = 13.858985751896785;
-
-const SCIKIT_SSIM: f64 = 0.6048744374957827;

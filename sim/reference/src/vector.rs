@@ -83,3 +83,24 @@ pub fn solve(rows: &[Vector; 3], b: Vector) -> Vector {
     let first = once(b);
     add(first, once(subtract(b, transform(rows, first))))
 }
+
+/// Turns the left square of the rows into the unit matrix (Gauss and Jordan, with pivots): what stands right of it
+/// becomes the solutions.
+pub(crate) fn eliminate(rows: &mut [Vec<f64>]) {
+    for column in 0..rows.len() {
+        let pivot = (column..rows.len())
+            .max_by(|&a, &b| rows[a][column].abs().total_cmp(&rows[b][column].abs()))
+            .unwrap_or(column);
+        rows.swap(column, pivot);
+        let scale = 1.0 / rows[column][column];
+        rows[column].iter_mut().for_each(|value| *value *= scale);
+        let row = rows[column].clone();
+        let others = rows.iter_mut().enumerate();
+        for (_, other) in others.filter(|(index, _)| *index != column) {
+            let factor = other[column];
+            for (value, part) in other.iter_mut().zip(&row) {
+                *value -= factor * part;
+            }
+        }
+    }
+}

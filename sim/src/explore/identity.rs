@@ -52,7 +52,7 @@ impl Identity {
                 "splats": first.scene.len(),
                 "sha256": scenes.of(first)?,
             },
-            "camera": serde_json::from_str::<Value>(&first.plan.camera.to_json())?,
+            "camera": first.plan.camera,
             "more_frames": more.iter().map(|frame| scenes.frame(frame)).collect::<Result<Vec<_>>>()?,
             "rules": look["rules"],
             "compositing": look["compositing"],
@@ -147,7 +147,7 @@ impl SceneDigests {
         Ok(json!({
             "scene": frame.scene.name(),
             "sha256": self.of(frame)?,
-            "camera": serde_json::from_str::<Value>(&frame.plan.camera.to_json())?,
+            "camera": frame.plan.camera,
             "rules": technique(frame)?["rules"],
         }))
     }
@@ -170,6 +170,7 @@ fn of_scene(scene: &Scene) -> String {
         skipped,
         up,
         order,
+        notes: _,
     } = scene;
     let mut digest = Digest::default();
     digest.add(match weight {

@@ -1,6 +1,5 @@
 //! From a source to a scene of any kind.
 
-use super::text;
 use crate::camera::Camera;
 use crate::framing::FramingInput;
 use crate::memory::{self, TooLarge};
@@ -56,16 +55,11 @@ pub enum Contents {
         /// Points become volume kernels, their axis along the normal divided by this.
         flatten: Option<f64>,
         /// Points become the pixels of a depth image that this camera takes of them.
-        depth_image: Option<SourceCamera>,
+        depth_image: Option<Camera>,
     },
     /// A photograph, whose texels are samples on a plane two units long.
     Texture,
 }
-
-/// A camera that belongs to the scene.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(transparent)]
-pub struct SourceCamera(#[serde(with = "text::camera")] pub Camera);
 
 impl Default for Contents {
     /// Splats, a volume by its own transfer function.
@@ -155,10 +149,11 @@ impl Source {
                     transfer: transfer.clone(),
                     light: *light,
                 };
-                let (mut scene, notes) = scene::load_with_notes(&self.path, &options)?;
+                let mut scene = scene::load(&self.path, &options)?;
                 if let Some(degree) = sh_degree {
                     scene.limit_harmonics(*degree);
                 }
+                let notes = scene.notes.clone();
                 (AnyScene::Splats(scene), notes)
             }
             Contents::Surface {
@@ -170,7 +165,7 @@ impl Source {
                 let scene = self.load_surface(texture.as_ref(), *spacing, doing)?;
                 let notes = scene.notes.clone();
                 let scene = match depth_image {
-                    Some(SourceCamera(camera)) => {
+                    Some(camera) => {
                         let style = Style::opaque(scene.usual_threshold());
                         let drawing = reference::surface::draw(&scene, camera, &style);
                         let image = DepthImage::of_drawing(&drawing, camera);

@@ -174,7 +174,6 @@ pub struct Plan {
     /// Where the scene comes from.
     pub source: Source,
     /// From where it is seen.
-    #[serde(with = "text::camera")]
     pub camera: Camera,
     /// How it is drawn.
     pub technique: Technique,

@@ -87,7 +87,7 @@ pub fn report_of(
         traversal: entry.map(|entry| prepared.traversal_name(entry).to_owned()),
         warnings: scene.warnings(&prepared.warnings),
         scene,
-        camera: (&plan.camera).into(),
+        camera: plan.camera.clone(),
         rules: match &plan.technique {
             Technique::Splats(splats) => splats.rules,
             // A style in the terms of rules.

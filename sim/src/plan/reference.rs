@@ -4,7 +4,7 @@ use super::draw::with_backfaces;
 use super::{Drawing, Engine, Prepared, SplatMethod, Splats, Subject};
 use crate::hybrid::Hybrid;
 use crate::reference::compositor::{self, RowProgress as Rows};
-use crate::reference::{self, Counts, FloatDrawing, exact, float, formats, sphere};
+use crate::reference::{self, Counts, Culled, FloatDrawing, exact, float, formats, sphere};
 use crate::report::facts::{ReasonCounts, counted};
 use crate::rules::{self, Compositing, Rules};
 use anyhow::{Result, bail, ensure};
@@ -29,7 +29,7 @@ impl Prepared {
                 let drawn = reference::surface::draw(scene, &self.plan.camera, style);
                 let culled = reference_culled(&drawn.counts);
                 Ok(Drawing {
-                    culled: with_backfaces(culled, style, drawn.counts.backfaces),
+                    culled: with_backfaces(culled, style, drawn.counts.culled(Culled::Backface)),
                     picture: drawn.picture,
                     ..Drawing::default()
                 })
@@ -111,11 +111,11 @@ fn draw_format(engine: Engine, splats: &Splats) -> Result<FloatDrawing> {
 
 fn reference_culled(counts: &Counts) -> ReasonCounts {
     counted([
-        ("near", counts.near),
-        ("far", counts.far),
-        ("outside", counts.outside),
-        ("transparent", counts.transparent),
-        ("degenerate", counts.degenerate),
-        ("non_finite", counts.non_finite),
+        ("near", counts.culled(Culled::Near)),
+        ("far", counts.culled(Culled::Far)),
+        ("outside", counts.culled(Culled::OutsideViewport)),
+        ("transparent", counts.culled(Culled::Transparent)),
+        ("degenerate", counts.culled(Culled::Degenerate)),
+        ("non_finite", counts.culled(Culled::NonFinite)),
     ])
 }

@@ -1,26 +1,11 @@
 //! A plan's parts as text: what reports record in full, and what a plan file may leave out.
 
 use super::DesignVariant;
-use crate::camera::{Camera, CameraFile};
 use crate::design::{DesignChoice, some_traversal};
 use crate::rules::{Kernel, Rules};
 use serde::de::Error as _;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Deserialize, Deserializer};
 use splatline::format::Traversal;
-
-/// A camera as a report states it; reading it back gives the same bits.
-pub(super) mod camera {
-    use super::*;
-
-    pub fn serialize<S: Serializer>(camera: &Camera, to: S) -> Result<S::Ok, S::Error> {
-        CameraFile::from(camera).serialize(to)
-    }
-
-    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Camera, D::Error> {
-        let facts = serde_json::Value::deserialize(from)?;
-        Camera::from_json_str(&facts.to_string()).map_err(D::Error::custom)
-    }
-}
 
 /// What a plan file may say of rules.
 #[derive(Deserialize)]

@@ -24,7 +24,7 @@ pub(crate) mod viewer;
 
 pub use chart::alone;
 
-use crate::camera::CameraFile;
+use crate::camera::Camera;
 use crate::design::ResolvedDesign;
 use crate::flip::PIXELS_PER_DEGREE;
 use crate::input::Refused;
@@ -59,7 +59,7 @@ pub struct Report {
     /// What was not drawn as it was given: every line of warning that went to stderr.
     pub warnings: Vec<String>,
     /// From where; the form of a camera file.
-    pub camera: CameraFile,
+    pub camera: Camera,
     /// Under which rules.
     pub rules: Rules,
     /// `front-to-back`, `back-to-front` or `x-ray`.

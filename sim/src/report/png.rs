@@ -2,7 +2,7 @@
 
 use crate::metrics::stored;
 use crate::picture::Picture;
-use crate::picture::png::PngSamples;
+use crate::picture::png::encode_rgb8;
 
 /// Opaque 8-bit RGB, row-major.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -37,6 +37,6 @@ impl Rgb {
 
     /// The bytes of a PNG file.
     pub fn to_png(&self) -> anyhow::Result<Vec<u8>> {
-        PngSamples::rgb8([self.width, self.height], &self.bytes).encode()
+        encode_rgb8([self.width, self.height], &self.bytes)
     }
 }

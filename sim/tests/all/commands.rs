@@ -85,7 +85,7 @@ fn render_writes_the_picture_and_a_report_without_errors() {
         ));
         let report = shell.report("a.json");
         let picture = Picture::read_png(&shell.path("a.png")).unwrap();
-        let size = [picture.width, picture.height].map(|side| side as u64);
+        let size = [picture.width, picture.height];
         assert_eq!([report.camera.width, report.camera.height], size);
         assert_eq!(picture.width, width);
         shell.write("c.json", serde_json::to_string(&report.camera).unwrap());

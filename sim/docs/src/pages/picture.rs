@@ -3,7 +3,7 @@
 use crate::views::{BRAIN, View};
 use anyhow::{Context, Result};
 use splatline_sim::camera::Camera;
-use splatline_sim::cameras::lens::{Distortion, Lens};
+use splatline_sim::cameras::lens::{Distortion, Lens, Projection};
 use splatline_sim::cli::{Map, in_colours};
 use splatline_sim::design::DesignChoice;
 use splatline_sim::fixed;
@@ -37,10 +37,9 @@ pub fn trained(data: &Path, size: usize) -> Result<Rgb> {
         size: [size as u64; 2],
         focal: [0.85 * camera.fx, 0.85 * camera.fy],
         principal: [camera.cx, camera.cy],
-        distortion: Distortion::Fisheye {
-            radial: [0.0; 4],
-            tangential: [0.0; 2],
-            prism: [0.0; 2],
+        distortion: Distortion {
+            projection: Projection::Fisheye,
+            ..Distortion::default()
         },
     };
     let pinhole = lens.pinhole(camera).context("a pinhole sees as much")?;

@@ -1,7 +1,7 @@
 //! COLMAP models, text and binary: `cameras` with the lenses, `images` with quaternion (w, x, y, z) and translation
 //! from world to camera; axes are right, down, forward as ours. The points of a model are not read.
 
-use super::lens::{Distortion, Lens};
+use super::lens::{Distortion, Lens, Projection};
 use super::{CameraPose, Read, photograph};
 use crate::input;
 use crate::scene::bytes::{Reader, nothing_left};
@@ -210,22 +210,30 @@ fn lens(
     );
     let rest = &p[focals + 2..];
     let at = |k: usize| rest.get(k).copied().unwrap_or(0.0);
+    let straight = Distortion::default();
     let distortion = match model {
-        ColmapModel::Polynomial => Distortion::Polynomial {
-            radial: [at(0), at(1), at(4), at(5), at(6), at(7)],
+        ColmapModel::Polynomial => Distortion {
+            radial: [at(0), at(1), at(4), 0.0],
+            divisor: [at(5), at(6), at(7)],
             tangential: [at(2), at(3)],
+            ..straight
         },
-        ColmapModel::Fisheye => Distortion::Fisheye {
+        ColmapModel::Fisheye => Distortion {
+            projection: Projection::Fisheye,
             radial: [at(0), at(1), at(2), at(3)],
-            tangential: [0.0; 2],
-            prism: [0.0; 2],
+            ..straight
         },
-        ColmapModel::ThinPrism => Distortion::Fisheye {
+        ColmapModel::ThinPrism => Distortion {
+            projection: Projection::Fisheye,
             radial: [at(0), at(1), at(4), at(5)],
             tangential: [at(2), at(3)],
             prism: [at(6), at(7)],
+            ..straight
         },
-        ColmapModel::FieldOfView => Distortion::FieldOfView(at(0)),
+        ColmapModel::FieldOfView => Distortion {
+            projection: Projection::FieldOfView(at(0)),
+            ..straight
+        },
     };
     Ok(Lens {
         size,

@@ -4,82 +4,56 @@
 
 use crate::camera::{Camera, MAX_SIZE};
 
-/// Where a lens moves a direction (x / z, y / z): the models of COLMAP, whose parameters are OpenCV's.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Distortion {
-    /// A quotient of polynomials of the squared radius, and decentring.
-    Polynomial {
-        /// k1 to k6; the last three are the denominator's.
-        radial: [f64; 6],
-        /// p1 and p2.
-        tangential: [f64; 2],
-    },
-    /// The radius becomes the angle to the axis; then a polynomial of its square, decentring and a thin prism.
-    Fisheye {
-        /// k1 to k4.
-        radial: [f64; 4],
-        /// p1 and p2.
-        tangential: [f64; 2],
-        /// sx1 and sy1.
-        prism: [f64; 2],
-    },
-    /// `atan(2 r tan(w / 2)) / w` of the radius (Devernay and Faugeras).
+/// What becomes of the radius of a direction (x / z, y / z) before the polynomials.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Projection {
+    /// It stays.
+    #[default]
+    Perspective,
+    /// It becomes the angle to the axis.
+    Fisheye,
+    /// `atan(2 r tan(w / 2)) / w` (Devernay and Faugeras).
     FieldOfView(f64),
 }
 
-impl Default for Distortion {
-    /// None.
-    fn default() -> Distortion {
-        Distortion::Polynomial {
-            radial: [0.0; 6],
-            tangential: [0.0; 2],
-        }
-    }
+/// Where a lens moves a direction: the models of COLMAP, whose parameters are OpenCV's. None by default.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Distortion {
+    /// What comes first.
+    pub projection: Projection,
+    /// Coefficients of the squared radius and its powers, after 1.
+    pub radial: [f64; 4],
+    /// Those of the polynomial that this one is divided by.
+    pub divisor: [f64; 3],
+    /// Decentring, p1 and p2.
+    pub tangential: [f64; 2],
+    /// A thin prism, sx1 and sy1.
+    pub prism: [f64; 2],
 }
 
 impl Distortion {
     /// Where the lens moves a direction (x / z, y / z).
-    pub fn apply(&self, [x, y]: [f64; 2]) -> [f64; 2] {
-        let r = x.hypot(y);
-        match *self {
-            Distortion::Polynomial { radial, tangential } => {
-                let [k1, k2, k3, k4, k5, k6] = radial;
-                let rr = r * r;
-                let above = 1.0 + rr * (k1 + rr * (k2 + rr * k3));
-                let below = 1.0 + rr * (k4 + rr * (k5 + rr * k6));
-                moved([x, y], above / below, tangential, [0.0; 2])
+    pub fn apply(&self, direction: [f64; 2]) -> [f64; 2] {
+        let r = direction[0].hypot(direction[1]);
+        let scale = match self.projection {
+            Projection::Fisheye if r > 0.0 => r.atan() / r,
+            Projection::FieldOfView(width) if r > 0.0 && width != 0.0 => {
+                (2.0 * r * (0.5 * width).tan()).atan() / width / r
             }
-            Distortion::Fisheye {
-                radial: [k1, k2, k3, k4],
-                tangential,
-                prism,
-            } => {
-                let to_angle = if r > 0.0 { r.atan() / r } else { 1.0 };
-                let angle = [x * to_angle, y * to_angle];
-                let rr = angle[0] * angle[0] + angle[1] * angle[1];
-                let radial = 1.0 + rr * (k1 + rr * (k2 + rr * (k3 + rr * k4)));
-                moved(angle, radial, tangential, prism)
-            }
-            Distortion::FieldOfView(width) => {
-                let bent = |r: f64| (2.0 * r * (0.5 * width).tan()).atan() / width;
-                let scale = if r > 0.0 && width != 0.0 {
-                    bent(r) / r
-                } else {
-                    1.0
-                };
-                [x * scale, y * scale]
-            }
-        }
+            _ => 1.0,
+        };
+        let [x, y] = direction.map(|part| part * scale);
+        let rr = x * x + y * y;
+        let [k1, k2, k3, k4] = self.radial;
+        let [d1, d2, d3] = self.divisor;
+        let above = 1.0 + rr * (k1 + rr * (k2 + rr * (k3 + rr * k4)));
+        let radial = above / (1.0 + rr * (d1 + rr * (d2 + rr * d3)));
+        let ([p1, p2], [sx, sy]) = (self.tangential, self.prism);
+        [
+            x * radial + 2.0 * p1 * x * y + p2 * (rr + 2.0 * x * x) + sx * rr,
+            y * radial + p1 * (rr + 2.0 * y * y) + 2.0 * p2 * x * y + sy * rr,
+        ]
     }
-}
-
-/// Radial scale, decentring and thin prism.
-fn moved([x, y]: [f64; 2], radial: f64, [p1, p2]: [f64; 2], [sx, sy]: [f64; 2]) -> [f64; 2] {
-    let rr = x * x + y * y;
-    [
-        x * radial + 2.0 * p1 * x * y + p2 * (rr + 2.0 * x * x) + sx * rr,
-        y * radial + p1 * (rr + 2.0 * y * y) + 2.0 * p2 * x * y + sy * rr,
-    ]
 }
 
 /// Steps of Newton's method at most.
@@ -114,16 +88,11 @@ impl Lens {
     /// The direction that is seen at a pixel, by Newton's method; nothing where the lens shows no direction.
     pub fn direction(&self, pixel: [f64; 2]) -> Option<[f64; 2]> {
         let sought = self.pinhole_direction(pixel);
-        let mut found = match self.distortion {
+        let angle = sought[0].hypot(sought[1]);
+        let mut found = match self.distortion.projection {
             // Without the polynomial the radius is an angle.
-            Distortion::Fisheye { .. } => {
-                let angle = sought[0].hypot(sought[1]);
-                let to_radius = if angle > 0.0 {
-                    angle.min(MOST_ANGLE).tan() / angle
-                } else {
-                    1.0
-                };
-                sought.map(|x| x * to_radius)
+            Projection::Fisheye if angle > 0.0 => {
+                sought.map(|x| x * (angle.min(MOST_ANGLE).tan() / angle))
             }
             _ => sought,
         };
@@ -228,9 +197,9 @@ mod tests {
             size: [200, 200],
             focal: [100.0; 2],
             principal: [100.0; 2],
-            distortion: Distortion::Polynomial {
-                radial: [0.1, 0.0, 0.0, 0.0, 0.0, 0.0],
-                tangential: [0.0; 2],
+            distortion: Distortion {
+                radial: [0.1, 0.0, 0.0, 0.0],
+                ..Distortion::default()
             },
         };
         // The corner lies at (1, 1): the radius grows by 0.1 * 2 of sqrt(2) * 100 pixels.

@@ -19,7 +19,7 @@ mod transforms;
 #[cfg(test)]
 mod tests;
 
-use crate::camera::{Camera, CameraError, DEFAULT_FAR, DEFAULT_NEAR};
+use crate::camera::{Camera, CameraError};
 use crate::input;
 use crate::vector::{self, Vector};
 use anyhow::anyhow;
@@ -148,17 +148,12 @@ fn photograph(
         .size
         .map(|side| usize::try_from(side).unwrap_or(usize::MAX));
     let camera = Camera {
-        width,
-        height,
-        fx: lens.focal[0],
         fy: lens.focal[1],
         cx: lens.principal[0],
         cy: lens.principal[1],
         rotation,
         translation,
-        near: DEFAULT_NEAR,
-        far: DEFAULT_FAR,
-        orthographic: false,
+        ..Camera::centred(width, height, lens.focal[0])
     };
     let sound = camera.sound().map_err(|error| match error.field {
         Some(field) => anyhow!("{field} {}", error.problem),

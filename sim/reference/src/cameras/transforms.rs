@@ -5,10 +5,11 @@
 //! Poses are taken as they stand. Nerfstudio trains in a space of its own (dataparser_transforms.json), so a scene
 //! exported from there has to be exported with its poses.
 
-use super::lens::{Distortion, Lens};
+use super::lens::{Distortion, Lens, Projection};
 use super::{CameraPose, Read, inverted, photograph};
 use anyhow::{Result, anyhow, bail, ensure};
 use serde::Deserialize;
+use serde_json::{Map, Value};
 
 #[derive(Deserialize)]
 struct TransformsFile {
@@ -27,23 +28,8 @@ struct TransformsFrame {
     lens: TransformsLens,
 }
 
-#[derive(Clone, Deserialize)]
-struct TransformsLens {
-    w: Option<f64>,
-    h: Option<f64>,
-    fl_x: Option<f64>,
-    fl_y: Option<f64>,
-    cx: Option<f64>,
-    cy: Option<f64>,
-    camera_angle_x: Option<f64>,
-    camera_angle_y: Option<f64>,
-    k1: Option<f64>,
-    k2: Option<f64>,
-    k3: Option<f64>,
-    k4: Option<f64>,
-    p1: Option<f64>,
-    p2: Option<f64>,
-}
+/// What is said of a lens, by its names.
+type TransformsLens = Map<String, Value>;
 
 /// The one model that is no polynomial.
 const FISHEYE: &str = "OPENCV_FISHEYE";
@@ -64,57 +50,43 @@ pub(super) fn parse(text: &str, size: Option<[usize; 2]>) -> Read {
         }
     };
     let posed = |(index, frame): (usize, &TransformsFrame)| {
-        pose(frame, &frame.lens.or(&file.lens), size, fisheye)
-            .map_err(|what| anyhow!("frame {index}: {what}"))
+        pose(frame, &file.lens, size, fisheye).map_err(|what| anyhow!("frame {index}: {what}"))
     };
     file.frames.iter().enumerate().map(posed).collect()
 }
 
-impl TransformsLens {
-    /// The frame's own fields, else the file's.
-    fn or(&self, file: &TransformsLens) -> TransformsLens {
-        TransformsLens {
-            w: self.w.or(file.w),
-            h: self.h.or(file.h),
-            fl_x: self.fl_x.or(file.fl_x),
-            fl_y: self.fl_y.or(file.fl_y),
-            cx: self.cx.or(file.cx),
-            cy: self.cy.or(file.cy),
-            camera_angle_x: self.camera_angle_x.or(file.camera_angle_x),
-            camera_angle_y: self.camera_angle_y.or(file.camera_angle_y),
-            k1: self.k1.or(file.k1),
-            k2: self.k2.or(file.k2),
-            k3: self.k3.or(file.k3),
-            k4: self.k4.or(file.k4),
-            p1: self.p1.or(file.p1),
-            p2: self.p2.or(file.p2),
-        }
-    }
-}
-
 fn pose(
     frame: &TransformsFrame,
-    lens: &TransformsLens,
+    of_file: &TransformsLens,
     size: Option<[usize; 2]>,
     fisheye: bool,
 ) -> Result<CameraPose> {
-    let [width, height] = match (lens.w, lens.h, size) {
+    // The frame's own, else the file's.
+    let number = |name: &str| {
+        let lenses = [&frame.lens, of_file].into_iter();
+        let mut stated = lenses.filter_map(|lens| lens.get(name).filter(|v| !v.is_null()));
+        let number = stated.next().map(|value| value.as_f64().ok_or(()));
+        let number = number.transpose();
+        number.map_err(|()| anyhow!("{name} is no number"))
+    };
+    let or_zero = |name: &str| number(name).map(Option::unwrap_or_default);
+    let [width, height] = match (number("w")?, number("h")?, size) {
         (Some(w), Some(h), _) if w >= 1.0 && h >= 1.0 => [w as u64, h as u64],
         (None, None, Some(size)) => size.map(|side| side as u64),
         _ => bail!("w and h are not there: give --size WxH"),
     };
     let of_angle =
         |angle: Option<f64>, side: u64| angle.map(|angle| 0.5 * side as f64 / (0.5 * angle).tan());
-    let across = lens.fl_x.or(of_angle(lens.camera_angle_x, width));
-    let down = lens.fl_y.or(of_angle(lens.camera_angle_y, height));
+    let across = number("fl_x")?.or(of_angle(number("camera_angle_x")?, width));
+    let down = number("fl_y")?.or(of_angle(number("camera_angle_y")?, height));
     // Pixels are square unless the file says otherwise.
     let focal = match (across.or(down), down.or(across)) {
         (Some(across), Some(down)) => [across, down],
         _ => bail!("there is neither fl_x nor camera_angle_x"),
     };
     let principal = [
-        lens.cx.unwrap_or(width as f64 / 2.0),
-        lens.cy.unwrap_or(height as f64 / 2.0),
+        number("cx")?.unwrap_or(width as f64 / 2.0),
+        number("cy")?.unwrap_or(height as f64 / 2.0),
     ];
     let [first, second, third, ..] = frame.transform_matrix[..] else {
         let rows = frame.transform_matrix.len();
@@ -124,27 +96,25 @@ fn pose(
     // Right, up, back in the file; right, down, forward here.
     let flipped = |k: usize| column(k).map(|part| -part);
     let (rotation, translation) = inverted([column(0), flipped(1), flipped(2)], column(3));
-    let at = |value: Option<f64>| value.unwrap_or(0.0);
-    let radial = [lens.k1, lens.k2, lens.k3, lens.k4].map(at);
-    let tangential = [lens.p1, lens.p2].map(at);
-    let distortion = if fisheye {
-        Distortion::Fisheye {
-            radial,
-            tangential: [0.0; 2],
-            prism: [0.0; 2],
-        }
+    let mut distortion = Distortion {
+        radial: [
+            or_zero("k1")?,
+            or_zero("k2")?,
+            or_zero("k3")?,
+            or_zero("k4")?,
+        ],
+        ..Distortion::default()
+    };
+    if fisheye {
+        distortion.projection = Projection::Fisheye;
     } else {
-        let [k1, k2, k3, k4] = radial;
         ensure!(
-            k4 == 0.0,
+            distortion.radial[3] == 0.0,
             "k4 belongs to a fisheye, but camera_model is not {FISHEYE}: \
              undistort the pictures and export again"
         );
-        Distortion::Polynomial {
-            radial: [k1, k2, k3, 0.0, 0.0, 0.0],
-            tangential,
-        }
-    };
+        distortion.tangential = [or_zero("p1")?, or_zero("p2")?];
+    }
     let lens = Lens {
         size: [width, height],
         focal,

@@ -214,21 +214,27 @@ pub(super) fn scaled_by_distance(
 /// The slopes at which J is taken: the centre's own, or clamped to the widened frustum as `3dgs` asks.
 fn jacobian_slope(position: [f64; 3], camera: &Camera, rules: &Rules) -> [f64; 2] {
     let [x, y, z] = position;
+    let slope = [x / z, y / z];
     if !rules.clamp_jacobian {
-        return [x / z, y / z];
+        return slope;
     }
-    let clamped = |slope: f64, size: usize, centre: f64, focal_length: f64| {
+    let frustum = widened_frustum(camera);
+    // Not `clamp`, which panics where a principal point far off the picture turns the bounds around.
+    [0, 1].map(|i| slope[i].min(frustum[i][1]).max(frustum[i][0]))
+}
+
+/// The least and the greatest slope, across and down, that the clamp lets through.
+pub(super) fn widened_frustum(camera: &Camera) -> [[f64; 2]; 2] {
+    let ends = |size: usize, centre: f64, focal_length: f64| {
         let size = size as f64;
         let margin = CLAMP_MARGIN * 0.5 * size / focal_length;
-        let (low, high) = (
+        [
             -(centre / focal_length + margin),
             (size - centre) / focal_length + margin,
-        );
-        // Not `clamp`, which panics where a principal point far off the picture turns the bounds around.
-        slope.min(high).max(low)
+        ]
     };
     [
-        clamped(x / z, camera.width, camera.cx, camera.fx),
-        clamped(y / z, camera.height, camera.cy, camera.fy),
+        ends(camera.width, camera.cx, camera.fx),
+        ends(camera.height, camera.cy, camera.fy),
     ]
 }

@@ -21,8 +21,6 @@ use crate::scene::{Scene, Splat};
 /// The category whose picture holds all splats.
 pub const ALL: &str = "all";
 
-const SPLATS_FILE: &str = "golden_a_splats.tsv";
-
 /// One splat of the data set with what others computed for it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GoldenSplat {
@@ -43,9 +41,9 @@ pub struct GoldenSplat {
 /// The data set.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GoldenA {
-    /// The camera of the header.
+    /// The camera that every file's header states: 64 x 64 pixels, focal length 60, in the origin along z.
     pub camera: Camera,
-    /// The `3dgs` rules with the low-pass of the header.
+    /// The `3dgs` rules.
     pub rules: Rules,
     /// All splats, in the order of the file.
     pub splats: Vec<GoldenSplat>,
@@ -79,31 +77,34 @@ pub fn archive() -> PathBuf {
 impl GoldenA {
     /// Reads the archive: the table of splats and a picture of each category.
     pub fn load(archive: &Path) -> Result<GoldenA> {
-        let shown = archive.display();
-        let inside = || format!("in '{shown}'");
-        let file = File::open(archive).with_context(inside)?;
-        let mut files = ZipArchive::new(file).with_context(inside)?;
-        let mut text = |file: &str| -> Result<String> {
-            let found = files.by_name(file);
-            let found = found.with_context(|| format!("no '{file}' in '{shown}'"))?;
-            io::read_to_string(found).with_context(inside)
+        let shown = || format!("in '{}'", archive.display());
+        let mut files = ZipArchive::new(File::open(archive).with_context(shown)?)?;
+        let mut read = |name: &str| -> Result<String> {
+            let file = files.by_name(name).with_context(|| format!("'{name}'"));
+            Ok(io::read_to_string(file.with_context(shown)?)?)
         };
-        let mut golden =
-            parse(&text(SPLATS_FILE)?).with_context(|| format!("in '{SPLATS_FILE}'"))?;
-        for category in &golden.categories {
-            let file = format!("golden_a_img_{category}_ma0.999.txt");
-            let picture = parse_picture(&text(&file)?, &golden.camera)
-                .with_context(|| format!("in '{file}'"))?;
-            golden.pictures.insert(category.clone(), picture);
+        let splats = parse_splats(&read("golden_a_splats.tsv")?)?;
+        let mut categories: Vec<String> = Vec::new();
+        for golden in &splats {
+            if !categories.contains(&golden.category) {
+                categories.push(golden.category.clone());
+            }
         }
-        Ok(golden)
-    }
-
-    /// The picture of a category.
-    pub fn picture(&self, category: &str) -> Result<&Picture> {
-        self.pictures
-            .get(category)
-            .with_context(|| format!("golden_a has no category '{category}'"))
+        categories.push(ALL.to_string());
+        let camera = Camera::centred(64, 64, 60.0);
+        let mut pictures = HashMap::new();
+        for category in &categories {
+            let text = read(&format!("golden_a_img_{category}_ma0.999.txt"))?;
+            let picture = parse_picture(&text, &camera).with_context(|| category.clone())?;
+            pictures.insert(category.clone(), picture);
+        }
+        Ok(GoldenA {
+            camera,
+            rules: Rules::GAUSSIAN_3D,
+            splats,
+            categories,
+            pictures,
+        })
     }
 
     /// The splats of a category.
@@ -120,14 +121,12 @@ impl GoldenA {
     }
 
     /// Measures engine `float` against the data set, category by category.
-    pub fn measure(&self) -> Result<Vec<Deviation>> {
-        self.categories
-            .iter()
-            .map(|category| self.measure_category(category))
-            .collect()
+    pub fn measure(&self) -> Vec<Deviation> {
+        let categories = self.categories.iter();
+        categories.map(|c| self.measure_category(c)).collect()
     }
 
-    fn measure_category(&self, category: &str) -> Result<Deviation> {
+    fn measure_category(&self, category: &str) -> Deviation {
         let (camera, rules) = (&self.camera, &self.rules);
         let mut deviation = Deviation {
             category: category.to_string(),
@@ -149,39 +148,35 @@ impl GoldenA {
             raise(&mut deviation.centre, centre);
             raise(&mut deviation.depth, depth);
         }
-        let drawing = float::draw(
-            &self.scene(category),
-            camera,
-            rules,
-            Compositing::FrontToBack,
-        );
-        let expected = self.picture(category)?;
-        let channels = drawing
-            .picture
-            .pixels
-            .iter()
-            .flatten()
-            .zip(expected.pixels.iter().flatten());
+        let (scene, order) = (self.scene(category), Compositing::FrontToBack);
+        let drawn = float::draw(&scene, camera, rules, order).picture;
+        let expected = &self.pictures[category].pixels;
+        let channels = drawn.pixels.iter().flatten().zip(expected.iter().flatten());
         for (computed, expected) in channels {
             raise(&mut deviation.picture, (computed - expected).abs());
         }
-        Ok(deviation)
+        deviation
     }
 }
 
 /// A pixel a line: red, green, blue, alpha.
 fn parse_picture(text: &str, camera: &Camera) -> Result<Picture> {
-    let pixels = data_lines(text).map(numbers).collect::<Result<Vec<_>>>()?;
-    let expected = camera.width * camera.height;
+    let pixel = |line: &str| -> Result<[f64; 4]> {
+        let channels: Result<Vec<f64>, _> = line.split(' ').map(str::parse).collect();
+        let channels = channels?.try_into().ok();
+        channels.with_context(|| format!("'{line}' has not four channels"))
+    };
+    let picture = Picture {
+        width: camera.width,
+        height: camera.height,
+        pixels: data_lines(text).map(pixel).collect::<Result<_>>()?,
+    };
     ensure!(
-        pixels.len() == expected,
-        "{} pixels where {expected} were expected",
-        pixels.len()
+        picture.pixels.len() == camera.width * camera.height,
+        "{} pixels are too few or too many",
+        picture.pixels.len()
     );
-    Ok(Picture {
-        pixels,
-        ..Picture::new(camera.width, camera.height)
-    })
+    Ok(picture)
 }
 
 /// Largest difference of an entry over the largest entry.
@@ -213,107 +208,22 @@ fn data_lines(text: &str) -> impl Iterator<Item = &str> {
         .filter(|line| !line.starts_with('#') && !line.trim().is_empty())
 }
 
-fn numbers<const N: usize>(line: &str) -> Result<[f64; N]> {
-    let fields: Vec<f64> = line
-        .split(|c: char| c == ',' || c.is_whitespace())
-        .map(|field| {
-            field
-                .parse()
-                .with_context(|| format!("'{field}' is not a number"))
-        })
-        .collect::<Result<_>>()?;
-    let found = fields.len();
-    fields
-        .try_into()
-        .ok()
-        .with_context(|| format!("expected {N} numbers, found {found}"))
+/// A table whose first line names the columns.
+fn parse_splats(text: &str) -> Result<Vec<GoldenSplat>> {
+    let mut lines = data_lines(text).map(|line| line.split('\t'));
+    let names: Vec<&str> = lines.next().context("the table is empty")?.collect();
+    let row = |fields| names.iter().copied().zip(fields).collect();
+    lines.map(|fields| parse_splat(&row(fields))).collect()
 }
 
-/// The value of `key=value` in the comment lines; a key may hold spaces, a value may not.
-fn header_value<'a>(text: &'a str, key: &str) -> Result<&'a str> {
-    let wanted = format!(" {key}=");
-    let comments = text.lines().filter(|line| line.starts_with('#'));
-    let mut values =
-        comments.filter_map(|line| line.split_once(&wanted)?.1.split_whitespace().next());
-    values
-        .next()
-        .with_context(|| format!("the header does not give '{key}'"))
-}
-
-fn header_number(text: &str, key: &str) -> Result<f64> {
-    Ok(numbers::<1>(header_value(text, key)?)?[0])
-}
-
-fn parse(text: &str) -> Result<GoldenA> {
-    let camera = parse_camera(text)?;
-    let rules = Rules {
-        low_pass: header_number(text, "eps2d")?,
-        ..Rules::GAUSSIAN_3D
+fn parse_splat(row: &HashMap<&str, &str>) -> Result<GoldenSplat> {
+    let text = |name: &str| {
+        let field = row.get(name).copied();
+        field.with_context(|| format!("a row lacks the column '{name}'"))
     };
-    let mut lines = data_lines(text);
-    let names: Vec<&str> = lines
-        .next()
-        .context("the table is empty")?
-        .split('\t')
-        .collect();
-    let splats: Vec<GoldenSplat> = lines
-        .enumerate()
-        .map(|(row, line)| {
-            parse_splat(&names, line).with_context(|| format!("row {row} of the table"))
-        })
-        .collect::<Result<_>>()?;
-    let mut categories: Vec<String> = Vec::new();
-    for golden in &splats {
-        if !categories.contains(&golden.category) {
-            categories.push(golden.category.clone());
-        }
-    }
-    categories.push(ALL.to_string());
-    Ok(GoldenA {
-        camera,
-        rules,
-        splats,
-        categories,
-        pictures: HashMap::new(),
-    })
-}
-
-fn parse_camera(text: &str) -> Result<Camera> {
-    let [fx, fy, cx, cy] = numbers(header_value(text, "fx,fy,cx,cy")?)?;
-    let view: [f64; 16] = numbers(header_value(text, "viewmat(row-major world->cam)")?)?;
-    let file = serde_json::json!({
-        "width": header_value(text, "W")?.parse::<usize>()?,
-        "height": header_value(text, "H")?.parse::<usize>()?,
-        "fx": fx, "fy": fy, "cx": cx, "cy": cy,
-        "world_to_camera": view,
-        "near": header_number(text, "near")?,
-        "far": header_number(text, "far")?,
-    });
-    Ok(Camera::from_json_str(&file.to_string())?)
-}
-
-fn parse_splat(names: &[&str], line: &str) -> Result<GoldenSplat> {
-    let fields: Vec<&str> = line.split('\t').collect();
-    ensure!(
-        fields.len() == names.len(),
-        "{} columns instead of {}",
-        fields.len(),
-        names.len()
-    );
-    let text = |name: &str| -> Result<&str> {
-        let column = names.iter().position(|&n| n == name);
-        column
-            .map(|column| fields[column])
-            .with_context(|| format!("there is no column '{name}'"))
-    };
-    let number = |name: &str| -> Result<f64> {
-        text(name)?
-            .parse()
-            .with_context(|| format!("column '{name}' is not a number"))
-    };
-    let triple = |names: [&str; 3]| {
-        Ok::<_, anyhow::Error>([number(names[0])?, number(names[1])?, number(names[2])?])
-    };
+    let number = |name: &str| -> Result<f64> { Ok(text(name)?.parse()?) };
+    let triple =
+        |[a, b, c]: [&str; 3]| -> Result<[f64; 3]> { Ok([number(a)?, number(b)?, number(c)?]) };
     let quaternion = [number("qw")?, number("qx")?, number("qy")?, number("qz")?];
     Ok(GoldenSplat {
         category: text("cat")?.to_string(),

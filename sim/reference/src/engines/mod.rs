@@ -49,27 +49,18 @@ pub enum Culled {
     Backface,
 }
 
-/// What became of a scene's splats in one drawing; `splats` is the sum of `drawn` and the reasons for culling.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+/// Reasons why a splat does not reach the picture.
+const REASONS: usize = Culled::Backface as usize + 1;
+
+/// What became of a scene's splats in one drawing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
     /// Splats of the scene.
     pub splats: usize,
     /// Splats handed to the compositor.
     pub drawn: usize,
-    /// Culled as [`Culled::Near`].
-    pub near: usize,
-    /// Culled as [`Culled::Far`].
-    pub far: usize,
-    /// Culled as [`Culled::OutsideViewport`].
-    pub outside: usize,
-    /// Culled as [`Culled::Transparent`].
-    pub transparent: usize,
-    /// Culled as [`Culled::Degenerate`].
-    pub degenerate: usize,
-    /// Culled as [`Culled::NonFinite`].
-    pub non_finite: usize,
-    /// Culled as [`Culled::Backface`].
-    pub backfaces: usize,
+    /// The others, by reason.
+    culled: [usize; REASONS],
     /// Pairs of a splat and a pixel that were blended: inside the cut-off, not too faint, pixel not yet finished.
     pub covered_pixels: u64,
 }
@@ -82,19 +73,17 @@ impl Counts {
             ..Counts::default()
         };
         for outcome in projected {
-            let counter = match outcome {
-                Ok(_) => &mut counts.drawn,
-                Err(Culled::Near) => &mut counts.near,
-                Err(Culled::Far) => &mut counts.far,
-                Err(Culled::OutsideViewport) => &mut counts.outside,
-                Err(Culled::Transparent) => &mut counts.transparent,
-                Err(Culled::Degenerate) => &mut counts.degenerate,
-                Err(Culled::NonFinite) => &mut counts.non_finite,
-                Err(Culled::Backface) => &mut counts.backfaces,
-            };
-            *counter += 1;
+            match outcome {
+                Ok(_) => counts.drawn += 1,
+                Err(reason) => counts.culled[*reason as usize] += 1,
+            }
         }
         counts
+    }
+
+    /// Splats that were culled for this reason.
+    pub fn culled(&self, reason: Culled) -> usize {
+        self.culled[reason as usize]
     }
 }
 

@@ -4,6 +4,7 @@
 //! (clamped) slope, M = J W A, V = M M^T + h I, its determinant, and the LDL coefficients. Only the peak of normalised
 //! kernels needs a root, and is taken in double precision from exact arguments. \[EWA\] 6.2, eq. 22-31.
 
+use super::float::widened_frustum;
 use crate::camera::Camera;
 use crate::rules::Rules;
 use crate::scene::Splat;
@@ -127,21 +128,15 @@ pub fn project(splat: &Splat, camera: &Camera, rules: &Rules) -> Option<Rational
 
 /// The slopes of the Jacobian, clamped to the widened frustum if the rules say so; 0 in parallel projection.
 fn slopes(on_plane: &[BigRational; 2], camera: &Camera, rules: &Rules) -> [BigRational; 2] {
-    let frustum = [
-        (camera.width, camera.cx, camera.fx),
-        (camera.height, camera.cy, camera.fy),
-    ];
+    let frustum = widened_frustum(camera);
     [0, 1].map(|i| {
-        let (size, centre, focal) = frustum[i];
         if camera.orthographic {
             return BigRational::zero();
         }
         if !rules.clamp_jacobian {
             return on_plane[i].clone();
         }
-        let margin = 0.15 * size as f64 / focal;
-        let low = exact(-(centre / focal + margin));
-        let high = exact((size as f64 - centre) / focal + margin);
+        let [low, high] = frustum[i].map(exact);
         on_plane[i].clone().min(high).max(low)
     })
 }

@@ -11,42 +11,26 @@ use std::path::{Path, PathBuf};
 /// Bytes of pixels of a file at most; what it claims is not set aside beyond that.
 const LARGEST: usize = 512 << 20;
 
-/// A picture's samples as they stand in a file, most significant byte first.
-pub struct PngSamples<'a> {
-    /// Columns and rows.
-    pub size: [usize; 2],
-    /// What a pixel has.
-    pub colour: ColorType,
-    /// Bits of a sample.
-    pub depth: BitDepth,
-    /// Row by row.
-    pub bytes: &'a [u8],
+/// The bytes of a file of opaque pixels of three bytes.
+pub fn encode_rgb8(size: [usize; 2], bytes: &[u8]) -> Result<Vec<u8>> {
+    encode(size, ColorType::Rgb, BitDepth::Eight, bytes)
 }
 
-impl PngSamples<'_> {
-    /// Opaque pixels of three bytes.
-    pub fn rgb8(size: [usize; 2], bytes: &[u8]) -> PngSamples<'_> {
-        PngSamples {
-            size,
-            colour: ColorType::Rgb,
-            depth: BitDepth::Eight,
-            bytes,
-        }
-    }
-
-    /// The bytes of a file; samples that are too few or too many for the size are an error.
-    pub fn encode(&self) -> Result<Vec<u8>> {
-        // Sizes beyond 32 bits cannot be allocated; saturation makes the encoder refuse them.
-        let [width, height] = self
-            .size
-            .map(|side| u32::try_from(side).unwrap_or(u32::MAX));
-        let mut file = Vec::new();
-        let encoder = encoder(&mut file, [width, height], self.colour, self.depth);
-        let mut writer = encoder.write_header()?;
-        writer.write_image_data(self.bytes)?;
-        writer.finish()?;
-        Ok(file)
-    }
+/// The bytes of a file of these columns and rows from its samples, row by row, most significant byte first; too few or
+/// too many of them for the size are an error.
+pub fn encode(
+    size: [usize; 2],
+    colour: ColorType,
+    depth: BitDepth,
+    bytes: &[u8],
+) -> Result<Vec<u8>> {
+    // Sizes beyond 32 bits cannot be allocated; saturation makes the encoder refuse them.
+    let size = size.map(|side| u32::try_from(side).unwrap_or(u32::MAX));
+    let mut file = Vec::new();
+    let mut writer = encoder(&mut file, size, colour, depth).write_header()?;
+    writer.write_image_data(bytes)?;
+    writer.finish()?;
+    Ok(file)
 }
 
 fn encoder(
@@ -98,19 +82,9 @@ fn samples_of(file: &Path) -> Result<(OutputInfo, Vec<u8>)> {
     Ok((info, samples))
 }
 
-/// A file's pixels: red, green, blue and opacity of 16 bits, which hold 8-bit values without loss (v / 255 = 257 v /
-/// 65535).
-pub struct PngPixels {
-    /// Columns.
-    pub width: usize,
-    /// Rows.
-    pub height: usize,
-    /// Row by row, colours not premultiplied.
-    pub pixels: Vec<[u16; 4]>,
-}
-
-/// Reads a file of any depth and colour type.
-pub fn decode(file: &[u8]) -> Result<PngPixels> {
+/// Columns and rows of a file of any depth and colour type, and its pixels row by row: red, green, blue, not
+/// premultiplied, and opacity, of 16 bits, which hold 8-bit values without loss (v / 255 = 257 v / 65535).
+pub fn decode(file: &[u8]) -> Result<([usize; 2], Vec<[u16; 4]>)> {
     let limits = Limits { bytes: LARGEST };
     let mut decoder = Decoder::new_with_limits(Cursor::new(file), limits);
     decoder.set_transformations(Transformations::EXPAND);
@@ -141,11 +115,7 @@ pub fn decode(file: &[u8]) -> Result<PngPixels> {
             .map(|pixel| rgba(channels, |c| 257 * u16::from(pixel[c])))
             .collect(),
     };
-    Ok(PngPixels {
-        width: width as usize,
-        height: height as usize,
-        pixels,
-    })
+    Ok(([width as usize, height as usize], pixels))
 }
 
 /// One channel is grey, an even number of them has opacity last.
@@ -171,7 +141,7 @@ mod tests {
         let path = |number: usize| folder.path().join(format!("{number}.png"));
         for number in 0..3 {
             let bytes: Vec<u8> = (0..5 * 4 * 3).map(|k| (k * (number + 7)) as u8).collect();
-            let file = PngSamples::rgb8([5, 4], &bytes).encode().unwrap();
+            let file = encode_rgb8([5, 4], &bytes).unwrap();
             std::fs::write(path(number), file).unwrap();
         }
         let file = animated(&[path(0), path(1), path(2)], 15).unwrap();
@@ -189,7 +159,7 @@ mod tests {
             let (milliseconds, parts) = frame.delay().numer_denom_ms();
             assert!((f64::from(milliseconds) / f64::from(parts) - 1000.0 / 15.0).abs() < 1.0);
         }
-        let file = PngSamples::rgb8([1, 1], &[0; 3]).encode().unwrap();
+        let file = encode_rgb8([1, 1], &[0; 3]).unwrap();
         std::fs::write(path(1), file).unwrap();
         let refused = animated(&[path(0), path(1)], 15).unwrap_err().to_string();
         assert!(refused.contains("1.png' has another size"), "{refused}");
@@ -222,22 +192,22 @@ mod tests {
         for kind in kinds {
             let mut file = Cursor::new(Vec::new());
             kind.write_to(&mut file, ImageFormat::Png).unwrap();
-            let read = decode(file.get_ref()).unwrap();
-            assert_eq!([read.width, read.height], [7, 5]);
+            let (size, read) = decode(file.get_ref()).unwrap();
+            assert_eq!(size, [7, 5]);
             let expected: Vec<[u16; 4]> = kind.to_rgba16().pixels().map(|pixel| pixel.0).collect();
-            assert_eq!(read.pixels, expected, "{:?}", kind.color());
+            assert_eq!(read, expected, "{:?}", kind.color());
         }
     }
 
     #[test]
     fn what_others_read_of_a_file_is_what_was_written() {
         let bytes: Vec<u8> = (0..36).map(|byte| 7 * byte).collect();
-        let file = PngSamples::rgb8([4, 3], &bytes).encode().unwrap();
+        let file = encode_rgb8([4, 3], &bytes).unwrap();
         let read = image::load_from_memory_with_format(&file, ImageFormat::Png).unwrap();
         assert_eq!(read.into_rgb8().into_raw(), bytes);
-        assert!(PngSamples::rgb8([4, 4], &bytes).encode().is_err());
-        assert!(PngSamples::rgb8([4, 2], &bytes).encode().is_err());
-        assert!(PngSamples::rgb8([0, 0], &[]).encode().is_err());
+        assert!(encode_rgb8([4, 4], &bytes).is_err());
+        assert!(encode_rgb8([4, 2], &bytes).is_err());
+        assert!(encode_rgb8([0, 0], &[]).is_err());
     }
 
     /// A header that claims 17 GB.

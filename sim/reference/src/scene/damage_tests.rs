@@ -89,6 +89,23 @@ pub(super) fn assert_refused_with<T>(
     }
 }
 
+/// A file is refused when some of its bytes are others: a row has their place, the bytes in hexadecimal, and what is
+/// told.
+pub(super) fn assert_refused_at<T>(
+    whole: &[u8],
+    table: &str,
+    load: impl Fn(&[u8]) -> Result<T, Problem>,
+) {
+    for [place, bytes, expected] in rows(table) {
+        let mut changed = whole.to_vec();
+        let place: usize = place.parse().unwrap();
+        for (byte, digits) in changed[place..].iter_mut().zip(bytes.split(' ')) {
+            *byte = u8::from_str_radix(digits, 16).unwrap();
+        }
+        assert_refused(&[(changed, &*expected)], &load);
+    }
+}
+
 /// A text with one part replaced, which must be there.
 pub(super) fn replaced(whole: &[u8], from: &str, to: &str) -> Vec<u8> {
     let mut parts = whole.windows(from.len());

@@ -145,13 +145,11 @@ impl GaussianScene {
     /// The scene; a file of which nothing can be drawn is an error.
     pub(super) fn finish(self, name: &str) -> Result<Scene, Problem> {
         if self.splats.is_empty() {
-            let Skipped {
-                non_finite,
-                zero_rotation,
-            } = self.skipped;
             bail!(
-                "splats: none is left ({non_finite} with non-finite fields, {zero_rotation} with \
-                 a zero rotation); export the scene again"
+                "splats: none is left ({} with non-finite fields, {} with a zero rotation); \
+                 export the scene again",
+                self.skipped.non_finite,
+                self.skipped.zero_rotation
             );
         }
         Ok(Scene {

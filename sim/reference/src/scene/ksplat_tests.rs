@@ -1,59 +1,43 @@
 //! Tests of the ksplat reader, on files built here from the format's description.
 
 use super::*;
-use crate::scene::damage_tests::{assert_refused, survives_at};
+use crate::scene::damage_tests::{assert_refused, assert_refused_at, survives_at};
 
 fn put(bytes: &mut [u8], at: usize, value: &[u8]) {
     bytes[at..at + value.len()].copy_from_slice(value);
 }
 
 /// One section of three Gaussians: one full bucket of two around (10, 0, 0) and a partial one around (0, 20, 0).
-struct KsplatFile {
-    header: Vec<u8>,
-    section: Vec<u8>,
-    data: Vec<u8>,
-}
-
-impl KsplatFile {
-    fn new(level: u16, degree: u16) -> KsplatFile {
-        let mut header = vec![0; HEADER_BYTES];
-        put(&mut header, 0, &[0, 1]);
-        put(&mut header, 4, &1u32.to_le_bytes());
-        put(&mut header, 16, &3u32.to_le_bytes());
-        put(&mut header, 20, &level.to_le_bytes());
-        put(&mut header, 36, &(-2f32).to_le_bytes());
-        put(&mut header, 40, &2f32.to_le_bytes());
-        let mut section = vec![0; SECTION_BYTES];
-        for (at, value) in [
-            (0, 3u32),
-            (4, 3),
-            (8, 2),
-            (12, 2),
-            (24, 0),
-            (32, 1),
-            (36, 1),
-        ] {
-            put(&mut section, at, &value.to_le_bytes());
-        }
-        put(&mut section, 16, &4f32.to_le_bytes());
-        put(&mut section, 20, &12u16.to_le_bytes());
-        put(&mut section, 40, &degree.to_le_bytes());
-        let mut data = 1u32.to_le_bytes().to_vec();
-        let centres = [10f32, 0.0, 0.0, 0.0, 20.0, 0.0];
-        data.extend(centres.into_iter().flat_map(f32::to_le_bytes));
-        for _ in 0..3 {
-            data.extend(record(level, usize::from(degree)));
-        }
-        KsplatFile {
-            header,
-            section,
-            data,
-        }
+fn file(level: u16, degree: u16) -> Vec<u8> {
+    let mut header = vec![0; HEADER_BYTES];
+    put(&mut header, 0, &[0, 1]);
+    put(&mut header, 4, &1u32.to_le_bytes());
+    put(&mut header, 16, &3u32.to_le_bytes());
+    put(&mut header, 20, &level.to_le_bytes());
+    put(&mut header, 36, &(-2f32).to_le_bytes());
+    put(&mut header, 40, &2f32.to_le_bytes());
+    let mut section = vec![0; SECTION_BYTES];
+    for (at, value) in [
+        (0, 3u32),
+        (4, 3),
+        (8, 2),
+        (12, 2),
+        (24, 0),
+        (32, 1),
+        (36, 1),
+    ] {
+        put(&mut section, at, &value.to_le_bytes());
     }
-
-    fn bytes(&self) -> Vec<u8> {
-        [&self.header[..], &self.section, &self.data].concat()
+    put(&mut section, 16, &4f32.to_le_bytes());
+    put(&mut section, 20, &12u16.to_le_bytes());
+    put(&mut section, 40, &degree.to_le_bytes());
+    let mut data = 1u32.to_le_bytes().to_vec();
+    let centres = [10f32, 0.0, 0.0, 0.0, 20.0, 0.0];
+    data.extend(centres.into_iter().flat_map(f32::to_le_bytes));
+    for _ in 0..3 {
+        data.extend(record(level, usize::from(degree)));
     }
+    [header, section, data].concat()
 }
 
 /// 1, 0.5 and 2, and their halves in both precisions.
@@ -90,7 +74,7 @@ fn record(level: u16, degree: usize) -> Vec<u8> {
 #[test]
 fn every_level_is_decoded() {
     for level in 0..3 {
-        let scene = load(&KsplatFile::new(level, 1).bytes(), "x").unwrap();
+        let scene = load(&file(level, 1), "x").unwrap();
         let centres: Vec<[f64; 3]> = scene.splats.iter().map(|splat| splat.centre).collect();
         let expected = match level {
             0 => [[1.0, 2.0, 3.0]; 3],
@@ -117,7 +101,7 @@ fn every_level_is_decoded() {
 #[test]
 fn damaged_files_are_refused() {
     for level in [0, 2] {
-        let whole = KsplatFile::new(level, 1).bytes();
+        let whole = file(level, 1);
         let data = HEADER_BYTES + SECTION_BYTES;
         let places = (0..48)
             .chain(HEADER_BYTES - 2..HEADER_BYTES + 48)
@@ -128,53 +112,24 @@ fn damaged_files_are_refused() {
 
 #[test]
 fn each_message_names_the_field_and_the_fix() {
-    let changed = |level: u16, change: &dyn Fn(&mut KsplatFile)| {
-        let mut file = KsplatFile::new(level, 0);
-        change(&mut file);
-        file.bytes()
-    };
-    let section = |level: u16, at: usize, value: u32| {
-        changed(level, &|file| {
-            put(&mut file.section, at, &value.to_le_bytes())
-        })
-    };
-    let cases = [
-        (
-            changed(0, &|file| file.header[0] = 1),
-            "ksplat version: it is 1.1; version 0.1 is read",
-        ),
-        (
-            changed(0, &|file| file.header[20] = 3),
-            "ksplat compression level: it is 3; 0 to 2",
-        ),
-        (
-            changed(0, &|file| file.header[16] = 4),
-            "the header says 4, the sections 3",
-        ),
-        (
-            changed(0, &|file| file.data.push(0)),
-            "1 bytes are left over after the last section",
-        ),
-        (
-            section(0, 40, 4),
-            "ksplat section 0, harmonics degree: it is 4",
-        ),
-        (
-            section(0, 4, 2),
-            "ksplat section 0, splat count: 3 where 2 have room",
-        ),
-        (
-            section(0, 4, u32::MAX),
-            "ksplat section 0, splats: 188978560980 bytes are needed",
-        ),
-        (
-            section(1, 32, 7),
-            "ksplat section 0, buckets: 2 of 12 bytes for 7 full and 1 partial",
-        ),
-        (
-            section(1, 8, 0),
-            "ksplat section 0, buckets: splat 1 lies in none",
-        ),
-    ];
-    assert_refused(&cases, |bytes| load(bytes, "x"));
+    let load = |bytes: &[u8]| load(bytes, "x");
+    // The section's header begins at 4096.
+    let plain = r"
+        0 => 01 => ksplat version: it is 1.1; version 0.1 is read
+        20 => 03 => ksplat compression level: it is 3; 0 to 2
+        16 => 04 => the header says 4, the sections 3
+        4136 => 04 => ksplat section 0, harmonics degree: it is 4
+        4100 => 02 => ksplat section 0, splat count: 3 where 2 have room
+        4100 => ff ff ff ff => ksplat section 0, splats: 188978560980 bytes are needed
+    ";
+    let whole = file(0, 0);
+    assert_refused_at(&whole, plain, load);
+    let longer = [whole, vec![0]].concat();
+    let left_over = "1 bytes are left over after the last section";
+    assert_refused(&[(longer, left_over)], load);
+    let packed = r"
+        4128 => 07 => ksplat section 0, buckets: 2 of 12 bytes for 7 full and 1 partial
+        4104 => 00 => ksplat section 0, buckets: splat 1 lies in none
+    ";
+    assert_refused_at(&file(1, 0), packed, load);
 }

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use super::error::{LoadError, Problem, unreadable};
 use super::file::read_file;
-use super::volume::{self, Noted, Volume};
+use super::volume::{self, Volume};
 use super::{
     Scene, gaussian, gltf, ksplat, nrrd, ply, points, shade, sog, splat_file, spz, synthetic,
     transfer::Transfer,
@@ -29,25 +29,16 @@ pub struct LoadOptions {
     pub light: Option<[f64; 3]>,
 }
 
-/// A scene, and what its file says that is drawn otherwise here.
-pub type Loaded = (Scene, Vec<String>);
-
 /// Loads a scene file or one of the named scenes.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene, LoadError> {
-    load_with_notes(path, options).map(|(scene, _)| scene)
-}
-
-/// The same with notes for the user.
-pub fn load_with_notes(path: &Path, options: &LoadOptions) -> Result<Loaded, LoadError> {
     let shown = path.display().to_string();
     if let Some((iteration, file)) = trained_folder(path) {
-        let (mut scene, mut notes) = load_with_notes(&file, options)?;
+        let mut scene = load(&file, options)?;
         let name = path.file_name().unwrap_or_default();
         scene.name = name.to_string_lossy().into_owned();
-        notes.push(format!(
-            "a trainer's folder, drawn as of iteration {iteration}"
-        ));
-        return Ok((scene, notes));
+        let note = format!("a trainer's folder, drawn as of iteration {iteration}");
+        scene.notes.push(note);
+        return Ok(scene);
     }
     if shown == "demo" {
         return demo_with(options);
@@ -68,7 +59,7 @@ pub fn load_with_notes(path: &Path, options: &LoadOptions) -> Result<Loaded, Loa
 }
 
 /// The scene, and that it was trained antialiased if it says so.
-fn noted(scene: Scene) -> Loaded {
+fn noted(mut scene: Scene) -> Scene {
     let Rules {
         compensated,
         low_pass,
@@ -77,7 +68,8 @@ fn noted(scene: Scene) -> Loaded {
     let note = compensated.then(|| {
         format!("trained antialiased: opacities are compensated for a low-pass filter of {low_pass} square pixels (--antialias ewa draws it without)")
     });
-    (scene, note.into_iter().collect())
+    scene.notes.extend(note);
+    scene
 }
 
 /// The last iteration of a trainer's output folder, and its file: `point_cloud/iteration_N/point_cloud.ply`.
@@ -103,10 +95,10 @@ fn sog_folder(path: &Path) -> Option<&Path> {
 
 /// The embedded demo volume, exactly as its file would load.
 pub fn demo() -> Result<Scene, LoadError> {
-    demo_with(&LoadOptions::default()).map(|(scene, _)| scene)
+    demo_with(&LoadOptions::default())
 }
 
-fn demo_with(options: &LoadOptions) -> Result<Loaded, LoadError> {
+fn demo_with(options: &LoadOptions) -> Result<Scene, LoadError> {
     dispatch(DEMO, Path::new(DEMO_NAME), options).map_err(LoadError::about("demo"))
 }
 
@@ -117,7 +109,7 @@ enum SceneReader {
     Gaussians(fn(&[u8], &str) -> Result<Scene, Problem>),
     Gltf,
     /// From the file's bytes and the folder that it lies in.
-    Grid(fn(&[u8], Option<&Path>) -> Result<Noted, Problem>),
+    Grid(fn(&[u8], Option<&Path>) -> Result<Volume, Problem>),
 }
 
 use SceneReader::{Gaussians, Gltf, Grid};
@@ -148,7 +140,7 @@ const NIFTI: SceneReader = Grid(|bytes, _| volume::nifti::load(bytes));
 use super::volume::vti::load as vti;
 
 #[cfg(not(feature = "vti"))]
-fn vti(_: &[u8]) -> Result<Noted, Problem> {
+fn vti(_: &[u8]) -> Result<Volume, Problem> {
     Err(super::error::without("vti"))
 }
 
@@ -183,7 +175,7 @@ const UNKNOWN_FORMAT: &str = "is of no known format; expected .ply, .splat, .spz
      .nrrd, .nhdr, .nii, .nii.gz, .mhd, .mha or .vti, a point cloud (.ply, .xyz, .obj, .las, .laz) or a height field (.csv) with --as surface \
      (or one of 'demo', 'random:COUNT[:SEED]', 'deep-stack')";
 
-fn dispatch(bytes: &[u8], path: &Path, options: &LoadOptions) -> Result<Loaded, Problem> {
+fn dispatch(bytes: &[u8], path: &Path, options: &LoadOptions) -> Result<Scene, Problem> {
     let reader = recognise(bytes, path)?;
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     if !matches!(reader, Grid(_)) {
@@ -192,10 +184,7 @@ fn dispatch(bytes: &[u8], path: &Path, options: &LoadOptions) -> Result<Loaded, 
     match reader {
         Gaussians(read) => read(bytes, &name).map(noted),
         Gltf => gltf::load(bytes, path.parent(), &name),
-        Grid(read) => {
-            let (volume, notes) = read(bytes, path.parent())?;
-            Ok((load_volume(&volume, path, &name, options)?, notes))
-        }
+        Grid(read) => load_volume(&read(bytes, path.parent())?, path, &name, options),
     }
 }
 
@@ -209,12 +198,8 @@ fn load_volume(
         Some(file) => read_transfer(file)?,
         None => built_in_transfer(volume, path)?,
     };
-    shade::shade(
-        volume,
-        &transfer,
-        options.light.unwrap_or(shade::DEFAULT_LIGHT),
-        name,
-    )
+    let light = options.light.unwrap_or(shade::DEFAULT_LIGHT);
+    shade::shade(volume, &transfer, light, name)
 }
 
 fn read_transfer(file: &Path) -> Result<Transfer, Problem> {

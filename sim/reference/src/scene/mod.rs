@@ -37,7 +37,7 @@ mod format_tests;
 pub(crate) mod tests;
 
 pub use error::{LoadError, Problem};
-pub use load::{LoadOptions, Loaded, demo, load, load_with_notes};
+pub use load::{LoadOptions, demo, load};
 pub use order::SortOrder;
 pub use transfer::Transfer;
 pub use view::Bounds;
@@ -71,6 +71,18 @@ pub struct Splat {
     pub weight: f64,
     /// Linear RGB without view-dependent harmonics, clamped at 0 from below.
     pub colour: [f64; 3],
+}
+
+impl Splat {
+    /// An opaque sphere of this standard deviation.
+    pub(crate) fn sphere(centre: [f64; 3], deviation: f64, colour: [f64; 3]) -> Splat {
+        Splat {
+            centre,
+            axes: vector::diagonal([deviation; 3]),
+            weight: 1.0,
+            colour,
+        }
+    }
 }
 
 /// View-dependent colour: coefficients of degree 1 and up, per splat.
@@ -112,6 +124,8 @@ pub struct Scene {
     pub up: [f64; 3],
     /// What its splats are sorted by.
     pub order: SortOrder,
+    /// What its file says that is drawn otherwise here.
+    pub notes: Vec<String>,
 }
 
 impl Scene {
@@ -130,6 +144,7 @@ impl Scene {
             skipped: Skipped::default(),
             up: CAPTURE_UP,
             order: SortOrder::Depth,
+            notes: Vec::new(),
         }
     }
 

@@ -41,7 +41,6 @@ pub(super) fn shade(
     name: &str,
 ) -> Result<Scene, Problem> {
     let lamp = Lamp::new(light)?;
-    let shading = transfer.shading();
     let mut splats = Vec::new();
     let mut skipped = Skipped::default();
     for (index, &value) in volume.values.iter().enumerate() {
@@ -57,7 +56,7 @@ pub(super) fn shade(
         let gradient = volume.gradient(place, index);
         let extinction = plain_extinction * transfer.at_gradient(length(gradient));
         if extinction > 0.0 {
-            let colour = lamp.phong(colour, gradient, &shading);
+            let colour = lamp.phong(colour, gradient, &transfer.shading);
             let splat = splat(volume, place, extinction, colour);
             memory::push(&mut splats, splat, "the splats of visible voxels")?;
         }
@@ -70,6 +69,7 @@ pub(super) fn shade(
     );
     Ok(Scene {
         skipped,
+        notes: volume.notes.clone(),
         ..Scene::of_splats(name, Rules::EWA, splats)
     })
 }

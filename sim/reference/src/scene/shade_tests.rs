@@ -21,6 +21,7 @@ fn volume(sizes: [usize; 3], spacings: [f64; 3], value: impl Fn([usize; 3]) -> f
         sizes,
         spacings,
         values,
+        notes: Vec::new(),
     }
 }
 

@@ -1,6 +1,6 @@
 //! Tests of the spz reader, on files built here from the format's description.
 
-use crate::scene::damage_tests::{assert_refused, gzip as pack, rows, survives};
+use crate::scene::damage_tests::{assert_refused, assert_refused_at, gzip as pack, rows, survives};
 
 use super::*;
 
@@ -205,39 +205,20 @@ fn version_1_has_half_floats_for_places() {
 #[test]
 fn messages_about_streams_name_the_array() {
     let sound = streams(1, |_| ());
-    let at = |place: usize, bytes: &[u8]| {
-        let mut file = sound.clone();
-        file[place..place + bytes.len()].copy_from_slice(bytes);
-        file
-    };
-    let cases = [
-        (
-            at(8, &u32::MAX.to_le_bytes()),
-            "Gaussians of 124554051571 bytes cannot be in a file of",
-        ),
-        (at(15, &[4]), "spz streams: there are 4; 6 to 6 are read"),
-        (
-            at(40, &[7]),
-            "spz positions: the table says 7 bytes; 1 Gaussians need 9",
-        ),
-        (
-            at(48, &u64::MAX.to_le_bytes()),
-            "spz opacities: 18446744073709551615 bytes are needed",
-        ),
-        (
-            at(128, &[0; 4]),
-            "spz positions: the zstd stream is damaged or truncated",
-        ),
-        (
-            [sound.clone(), vec![0]].concat(),
-            "1 bytes are left over after the last one",
-        ),
-        (
-            streams(1, |arrays| arrays[1].push(0)),
-            "spz opacities: the table says 2 bytes",
-        ),
-    ];
-    assert_refused(&cases, |bytes| load(bytes, "x"));
+    let load = |bytes: &[u8]| load(bytes, "x");
+    let table = r"
+        8 => ff ff ff ff => Gaussians of 124554051571 bytes cannot be in a file of
+        15 => 04 => spz streams: there are 4; 6 to 6 are read
+        40 => 07 => spz positions: the table says 7 bytes; 1 Gaussians need 9
+        48 => ff ff ff ff ff ff ff ff => spz opacities: 18446744073709551615 bytes are needed
+        128 => 00 00 00 00 => spz positions: the zstd stream is damaged or truncated
+    ";
+    assert_refused_at(&sound, table, load);
+    let longer = streams(1, |arrays| arrays[1].push(0));
+    assert_refused(&[(longer, "spz opacities: the table says 2 bytes")], load);
+    let followed = [sound, vec![0]].concat();
+    let left_over = "1 bytes are left over after the last one";
+    assert_refused(&[(followed, left_over)], load);
 }
 
 /// A kilobyte that unpacks to megabytes stops where the header does.

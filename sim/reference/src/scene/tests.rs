@@ -1,6 +1,5 @@
-//! Tests over all loaders: real files, the same scene in three formats, and the paths of the command line.
+//! Tests over all loaders: real files, and the paths of the command line.
 
-use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use proptest::prelude::*;
@@ -21,37 +20,8 @@ pub(crate) fn load_plain(path: &Path) -> Scene {
 
 pub(crate) use super::view::tests::is_in_view;
 
-/// A splat's variance matrix, which does not depend on the quaternion's sign.
-fn variance(splat: &Splat) -> [[f64; 3]; 3] {
-    let entry =
-        |row: usize, column: usize| splat.axes.iter().map(|axis| axis[row] * axis[column]).sum();
-    std::array::from_fn(|row| std::array::from_fn(|column| entry(row, column)))
-}
-
-/// Largest difference of two variances relative to the first one's trace.
-fn variance_error(a: &Splat, b: &Splat) -> f64 {
-    let (a, b) = (variance(a), variance(b));
-    let trace = a[0][0] + a[1][1] + a[2][2];
-    let differences = a
-        .iter()
-        .flatten()
-        .zip(b.iter().flatten())
-        .map(|(a, b)| (a - b).abs());
-    differences.fold(0.0, f64::max) / trace
-}
-
-fn largest_difference(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a.iter()
-        .zip(b)
-        .map(|(a, b)| (a - b).abs())
-        .fold(0.0, f64::max)
-}
-
 #[test]
-#[cfg_attr(
-    not(has_data),
-    ignore = "built without the shared data beside the project"
-)]
+#[cfg_attr(not(has_data), ignore = "needs the shared data")]
 fn infinite_logits_of_the_guitar_are_opacity_one() {
     let path = shared_data("gaussians/guitar.ply");
     let scene = load_plain(&path);
@@ -62,69 +32,8 @@ fn infinite_logits_of_the_guitar_are_opacity_one() {
     assert!(scene.harmonics.is_none());
 }
 
-/// Centres are stored as the same floats in both files, and each occurs once, so they tell which splat is which.
 #[test]
-#[cfg_attr(
-    not(has_data),
-    ignore = "built without the shared data beside the project"
-)]
-fn guitar_splat_is_guitar_ply_in_another_order() {
-    let path = shared_data("gaussians/guitar.ply");
-    let (ply, splat) = (load_plain(&path), load_plain(&path.with_extension("splat")));
-    assert_eq!(ply.splats.len(), splat.splats.len());
-    let key = |splat: &Splat| splat.centre.map(f64::to_bits);
-    let by_centre: HashMap<_, _> = splat
-        .splats
-        .iter()
-        .map(|splat| (key(splat), splat))
-        .collect();
-    for a in &ply.splats {
-        let b = by_centre[&key(a)];
-        // Quaternions have steps of 1/128 per part, scales are floats.
-        assert!(variance_error(a, b) < 0.03, "{a:?} {b:?}");
-        assert!((a.weight - b.weight).abs() < 1.01 / 255.0, "{a:?} {b:?}");
-        assert!(
-            largest_difference(a.colour.map(|channel| channel.min(1.0)), b.colour) < 1.01 / 255.0
-        );
-    }
-}
-
-#[test]
-#[cfg_attr(
-    not(has_data),
-    ignore = "built without the shared data beside the project"
-)]
-fn guitar_spz_is_guitar_ply_in_the_same_order() {
-    let path = shared_data("gaussians/guitar.ply");
-    let (ply, spz) = (
-        load_plain(&path),
-        load_plain(&path.with_file_name("guitar_v3.spz")),
-    );
-    assert_eq!(ply.splats.len(), spz.splats.len());
-    for (a, b) in ply.splats.iter().zip(&spz.splats) {
-        // 12 fractional bits.
-        assert!(
-            largest_difference(a.centre, b.centre) <= 0.5001 / 4096.0,
-            "{a:?} {b:?}"
-        );
-        // Logarithms of scales have steps of 1/16: up to 6.5 % of a variance.
-        assert!(variance_error(a, b) < 0.07, "{a:?} {b:?}");
-        assert!((a.weight - b.weight).abs() < 0.51 / 255.0);
-        // Steps of 0.282 / (0.15 * 255), and the format ends at (0.5 / 0.15) of the constant coefficient.
-        let ends = 0.5 - 0.282_094_8 * 0.5 / 0.15..=0.5 + 0.282_094_8 * 0.5 / 0.15;
-        let expected = a.colour.map(|channel| channel.clamp(0.0, *ends.end()));
-        assert!(
-            largest_difference(expected, b.colour) < 0.51 * 0.282_094_8 / 0.15 / 255.0,
-            "{a:?} {b:?}"
-        );
-    }
-}
-
-#[test]
-#[cfg_attr(
-    not(has_data),
-    ignore = "built without the shared data beside the project"
-)]
+#[cfg_attr(not(has_data), ignore = "needs the shared data")]
 fn playbot_has_degree_two_and_a_colour_that_depends_on_the_view() {
     let path = shared_data("gaussians/playbot_lod4.ply");
     let scene = load_plain(&path);
@@ -141,10 +50,7 @@ fn playbot_has_degree_two_and_a_colour_that_depends_on_the_view() {
 }
 
 #[test]
-#[cfg_attr(
-    not(has_data),
-    ignore = "built without the shared data beside the project"
-)]
+#[cfg_attr(not(has_data), ignore = "needs the shared data")]
 fn the_demo_is_the_brainsmall_file() {
     let demo = demo().unwrap();
     assert_eq!(demo, load_plain(Path::new("demo")));
@@ -161,10 +67,7 @@ fn the_demo_is_the_brainsmall_file() {
 }
 
 #[test]
-#[cfg_attr(
-    not(has_data),
-    ignore = "built without the shared data beside the project"
-)]
+#[cfg_attr(not(has_data), ignore = "needs the shared data")]
 fn the_classic_volumes_load_with_moderate_counts_and_opacities() {
     let most = [
         ("aneurism", 160_000),

@@ -104,10 +104,7 @@ fn default_cameras_show_the_scenes() {
 }
 
 #[test]
-#[cfg_attr(
-    not(has_data),
-    ignore = "built without the shared data beside the project"
-)]
+#[cfg_attr(not(has_data), ignore = "needs the shared data")]
 fn default_cameras_show_captured_scenes() {
     for file in [
         "gaussians/guitar.ply",

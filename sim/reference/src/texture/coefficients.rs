@@ -12,7 +12,8 @@
 //! - [`Method::Optimised`]: the w that minimises sum_j |f(u_j) - c_j|^2 over all texels, R w = c with R_jk = r_k(u_j).
 
 use super::Texture;
-use super::solve::{NormalEquations, NotConverged};
+use super::solve::NormalEquations;
+use anyhow::Result;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
@@ -53,7 +54,7 @@ impl Method {
 impl FromStr for Method {
     type Err = String;
 
-    fn from_str(name: &str) -> Result<Self, Self::Err> {
+    fn from_str(name: &str) -> Result<Self, String> {
         let named = Method::ALL.into_iter().find(|method| method.name() == name);
         named.ok_or_else(|| {
             format!(
@@ -92,7 +93,7 @@ pub fn coefficients(
     points: &[SamplePoint],
     method: Method,
     cutoff: f64,
-) -> Result<Vec<[f64; 3]>, NotConverged> {
+) -> Result<Vec<[f64; 3]>> {
     let plain = points.par_iter().map(|point| texture.sample(point.place));
     let filtered = points.par_iter().map(|point| prefiltered(texture, point));
     match method {
@@ -122,11 +123,7 @@ fn prefiltered(texture: &Texture, point: &SamplePoint) -> [f64; 3] {
 }
 
 /// Least squares from the plain samples on.
-fn optimised(
-    texture: &Texture,
-    points: &[SamplePoint],
-    cutoff: f64,
-) -> Result<Vec<[f64; 3]>, NotConverged> {
+fn optimised(texture: &Texture, points: &[SamplePoint], cutoff: f64) -> Result<Vec<[f64; 3]>> {
     let plain: Vec<[f64; 3]> = points.iter().map(|p| texture.sample(p.place)).collect();
     let basis: Vec<TexelEllipse> = points
         .iter()

@@ -2,9 +2,9 @@
 
 use super::Texture;
 use super::coefficients::{Method, SamplePoint, coefficients};
-use super::solve::NotConverged;
 use crate::scene::points::SurfaceScene;
 use crate::scene::points::height_field::{DEVIATION, HeightField};
+use anyhow::Result;
 
 /// Grid points on a texture that covers the field from border to border, its first row in the north.
 pub fn sample_points(field: &HeightField, texture: &Texture) -> Vec<SamplePoint> {
@@ -30,7 +30,7 @@ pub fn drape(
     texture: &Texture,
     method: Method,
     cutoff: f64,
-) -> Result<SurfaceScene, NotConverged> {
+) -> Result<SurfaceScene> {
     let points = sample_points(field, texture);
     let colours = coefficients(texture, &points, method, cutoff)?;
     let mut scene = field.scene(name);

@@ -172,16 +172,16 @@ fn decode(path: &Path) -> Result<Texture, Problem> {
 const JPEG: &[u8] = &[0xff, 0xd8, 0xff];
 
 fn from_png(bytes: &[u8]) -> Result<Texture, Problem> {
-    let picture = png::decode(bytes)?;
+    let ([width, height], pixels) = png::decode(bytes)?;
     ensure!(
-        picture.width.max(picture.height) <= LARGEST_SIDE,
+        width.max(height) <= LARGEST_SIDE,
         "a side has more than {LARGEST_SIDE} texels"
     );
     let texel = |[r, g, b, _]: &[u16; 4]| [r, g, b].map(|value| f64::from(*value) / 65535.0);
     Ok(Texture {
-        width: picture.width,
-        height: picture.height,
-        texels: picture.pixels.iter().map(texel).collect(),
+        width,
+        height,
+        texels: pixels.iter().map(texel).collect(),
     })
 }
 
@@ -231,9 +231,10 @@ mod tests {
             size: [120, 90],
             focal: [100.0, 100.0],
             principal: [60.0, 45.0],
-            distortion: Distortion::Polynomial {
-                radial: [0.15, 0.02, 0.0, 0.0, 0.0, 0.0],
+            distortion: Distortion {
+                radial: [0.15, 0.02, 0.0, 0.0],
                 tangential: [0.002, -0.001],
+                ..Distortion::default()
             },
         };
         let colour = |ray: [f64; 2]| 0.5 + 0.4 * ray[0] - 0.3 * ray[1] + 0.2 * ray[0] * ray[1];

@@ -6,8 +6,9 @@
 //! entries for a photograph of 2048^2), and solved per colour channel by the BiCGSTAB of the crate `sprs`. Why this
 //! crate: docs/systems.md.
 
+use anyhow::{Result, ensure};
 use sprs::linalg::bicgstab::BiCGSTAB;
-use sprs::{CsMat, CsVec};
+use sprs::{CsMat, CsVec, TriMat};
 
 /// lambda: keeps points determined that no sample sees, far below what changes a colour visibly.
 const DAMPING: f64 = 1e-4;
@@ -23,18 +24,6 @@ pub struct NormalEquations {
     rows: Vec<Vec<(usize, f64)>>,
     /// R^T c.
     right: Vec<[f64; 3]>,
-}
-
-/// The iteration did not come to an end, or not to a finite one.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error(
-    "the texture coefficients did not converge: residual {residual:.1e} after {iterations} iterations; use plain or prefiltered coefficients"
-)]
-pub struct NotConverged {
-    /// Norm of the residual, in norms of the right-hand side.
-    pub residual: f64,
-    /// Iterations made.
-    pub iterations: usize,
 }
 
 impl NormalEquations {
@@ -63,7 +52,7 @@ impl NormalEquations {
     }
 
     /// The unknowns, damped towards `start`.
-    pub fn solve(&self, start: &[[f64; 3]]) -> Result<Vec<[f64; 3]>, NotConverged> {
+    pub fn solve(&self, start: &[[f64; 3]]) -> Result<Vec<[f64; 3]>> {
         let mut unknowns = start.to_vec();
         let diagonal = self.mean_diagonal();
         if diagonal == 0.0 {
@@ -94,28 +83,19 @@ impl NormalEquations {
     /// R^T R with the damping on its diagonal, by columns: the crate multiplies those by a full vector in linear time.
     fn matrix(&self, damping: f64) -> CsMat<f64> {
         let count = self.rows.len();
-        let (mut starts, mut indices, mut values) = (vec![0], Vec::new(), Vec::new());
+        let mut matrix = TriMat::new((count, count));
         for (k, entries) in self.rows.iter().enumerate() {
-            let mut column = entries.clone();
-            match column.iter_mut().find(|(index, _)| *index == k) {
-                Some((_, value)) => *value += damping,
-                None => column.push((k, damping)),
+            for (index, value) in entries {
+                matrix.add_triplet(*index, k, *value);
             }
-            column.sort_unstable_by_key(|(index, _)| *index);
-            indices.extend(column.iter().map(|(index, _)| *index));
-            values.extend(column.iter().map(|(_, value)| *value));
-            starts.push(indices.len());
+            matrix.add_triplet(k, k, damping);
         }
-        CsMat::new_csc((count, count), starts, indices, values)
+        matrix.to_csc()
     }
 }
 
 /// One channel's unknowns.
-fn solve_one(
-    matrix: &CsMat<f64>,
-    right: CsVec<f64>,
-    start: CsVec<f64>,
-) -> Result<Vec<f64>, NotConverged> {
+fn solve_one(matrix: &CsMat<f64>, right: CsVec<f64>, start: CsVec<f64>) -> Result<Vec<f64>> {
     let norm = right.l2_norm().max(f64::MIN_POSITIVE);
     let tolerance = TOLERANCE * norm;
     let fresh = BiCGSTAB::<f64, _, _>::new(matrix.view(), start.view(), right.view());
@@ -136,14 +116,14 @@ fn solve_one(
         Err(solver) => (false, solver),
     };
     let values = solver.x().to_dense().to_vec();
-    if ended && values.iter().all(|value| value.is_finite()) {
-        Ok(values)
-    } else {
-        Err(NotConverged {
-            residual: solver.err() / norm,
-            iterations: solver.iteration_count(),
-        })
-    }
+    ensure!(
+        ended && values.iter().all(|value| value.is_finite()),
+        "the texture coefficients did not converge: residual {:.1e} after {} iterations; \
+         use plain or prefiltered coefficients",
+        solver.err() / norm,
+        solver.iteration_count()
+    );
+    Ok(values)
 }
 
 /// The crate's vectors are sparse; these have every entry.
@@ -154,32 +134,7 @@ fn dense(values: Vec<f64>) -> CsVec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// Gaussian elimination with pivoting: the oracle.
-    fn eliminated(mut matrix: Vec<Vec<f64>>, mut right: Vec<f64>) -> Vec<f64> {
-        let count = right.len();
-        for column in 0..count {
-            let pivot = (column..count)
-                .max_by(|&a, &b| matrix[a][column].abs().total_cmp(&matrix[b][column].abs()))
-                .unwrap();
-            matrix.swap(column, pivot);
-            right.swap(column, pivot);
-            for row in column + 1..count {
-                let factor = matrix[row][column] / matrix[column][column];
-                let upper = matrix[column].clone();
-                for (entry, above) in matrix[row].iter_mut().zip(upper) {
-                    *entry -= factor * above;
-                }
-                right[row] -= factor * right[column];
-            }
-        }
-        let mut found = vec![0.0; count];
-        for row in (0..count).rev() {
-            let known: f64 = (row + 1..count).map(|k| matrix[row][k] * found[k]).sum();
-            found[row] = (right[row] - known) / matrix[row][row];
-        }
-        found
-    }
+    use crate::vector;
 
     #[test]
     fn the_solution_is_that_of_dense_elimination() {
@@ -190,8 +145,8 @@ mod tests {
             f64::from(state >> 8) / f64::from(1 << 24)
         };
         let mut equations = NormalEquations::new(count);
-        let mut dense = vec![vec![0.0; count]; count];
-        let mut right = vec![0.0; count];
+        // With the right-hand side behind each row.
+        let mut dense = vec![vec![0.0; count + 1]; count];
         for sample in 0..60 {
             let row: Vec<(usize, f64)> = (0..3)
                 .map(|step| ((sample + 2 * step) % count, 0.1 + random()))
@@ -199,20 +154,20 @@ mod tests {
             let colour = [random(), random(), random()];
             equations.add(&row, colour);
             for &(k, a) in &row {
-                right[k] += a * colour[1];
+                dense[k][count] += a * colour[1];
                 row.iter().for_each(|&(l, b)| dense[k][l] += a * b);
             }
         }
         let start = vec![[0.5; 3]; count];
         let mean = (0..count).map(|k| dense[k][k]).sum::<f64>() / count as f64;
-        for k in 0..count {
-            dense[k][k] += DAMPING * mean;
-            right[k] += DAMPING * mean * 0.5;
+        for (k, row) in dense.iter_mut().enumerate() {
+            row[k] += DAMPING * mean;
+            row[count] += DAMPING * mean * 0.5;
         }
-        let expected = eliminated(dense, right);
+        vector::eliminate(&mut dense);
         let solution = equations.solve(&start).unwrap();
-        for (found, expected) in solution.iter().zip(expected) {
-            assert!((found[1] - expected).abs() < 1e-6, "{found:?} {expected}");
+        for (found, row) in solution.iter().zip(dense) {
+            assert!((found[1] - row[count]).abs() < 1e-6, "{found:?} {row:?}");
         }
     }
 

@@ -13,12 +13,9 @@ use super::Texture;
 use crate::camera::Camera;
 use crate::engines::surface::{FloatFragment, FloatSurfaceDrawing};
 use crate::hybrid::DEVIATION_PER_SPACING;
-use crate::rules::Rules;
+use crate::scene::points::spheres;
 use crate::scene::{Scene, Splat};
 use crate::vector::{self, Vector};
-
-/// Peak opacity of a sample: its surface is opaque. Lower values leave the surface transparent (docs/systems.md).
-pub const OPACITY: f64 = 1.0;
 
 /// Samples of one surface lie within so many spacings of depth in a pixel.
 pub const DEPTH_RANGE: f64 = 8.0;
@@ -87,12 +84,6 @@ pub fn textured_plane(
     scene(name, splats.collect())
 }
 
-/// EWA with peak opacities.
-const OPAQUE: Rules = Rules {
-    normalised: false,
-    ..Rules::EWA
-};
-
 /// Where a place of the picture lies in space at a depth: W^-1 (t - d).
 fn in_space(camera: &Camera, place: [f64; 2], depth: f64) -> Vector {
     let [x, y] = camera.slopes(place);
@@ -107,18 +98,14 @@ fn in_space(camera: &Camera, place: [f64; 2], depth: f64) -> Vector {
     [0, 1, 2].map(|axis| vector::dot(column(axis), offset))
 }
 
+/// Its surface is opaque: less would leave the surface transparent (docs/systems.md).
 fn sample(centre: Vector, spacing: f64, colour: [f64; 3]) -> Splat {
-    Splat {
-        centre,
-        axes: vector::diagonal([DEVIATION_PER_SPACING * spacing; 3]),
-        weight: OPACITY,
-        colour,
-    }
+    Splat::sphere(centre, DEVIATION_PER_SPACING * spacing, colour)
 }
 
 fn scene(name: &str, splats: Vec<Splat>) -> Scene {
     Scene {
         up: [0.0, 0.0, 1.0],
-        ..Scene::of_splats(name, OPAQUE, splats)
+        ..Scene::of_splats(name, spheres::RULES, splats)
     }
 }

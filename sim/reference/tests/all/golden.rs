@@ -10,7 +10,7 @@ use splatline_reference::engines::{Culled, exact, float};
 use splatline_reference::metrics::compare;
 use splatline_reference::picture::Picture;
 use splatline_reference::rules::{Compositing, Rules};
-use splatline_reference::scene::Splat;
+use splatline_reference::scene::{LoadOptions, Splat, load};
 
 /// The small scene of another renderer, which is not ours to publish.
 fn shared_folder() -> PathBuf {
@@ -37,7 +37,7 @@ fn float_agrees_with_sixty_digits_and_with_independent_pictures() {
     let golden = GoldenA::load(&golden::archive()).unwrap();
     assert_eq!(golden.splats.len(), 256);
     assert_eq!(golden.categories.len(), 11);
-    let deviations = golden.measure().unwrap();
+    let deviations = golden.measure();
     print_table(&deviations);
     for d in &deviations {
         assert!(d.splats > 0, "{}: nothing compared", d.category);
@@ -153,13 +153,10 @@ impl ScreenSplat for FadedTail {
 }
 
 #[test]
-#[cfg_attr(
-    not(has_data),
-    ignore = "built without the shared data beside the project"
-)]
+#[cfg_attr(not(has_data), ignore = "needs the shared data")]
 fn tiny_scene_agrees_with_an_independent_renderer() {
     let folder = shared_folder();
-    let scene = super::trainer_ply::load(&folder.join("tiny.ply"));
+    let scene = load(&folder.join("tiny.ply"), &LoadOptions::default()).unwrap();
     assert_eq!(scene.splats.len(), 400);
     let expected = Picture::read_png(&folder.join("tiny.png")).unwrap();
     let (eye, up) = ([0.0, -5.0, -8.0], [0.0, -1.0, 0.0]);

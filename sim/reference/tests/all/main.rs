@@ -6,4 +6,3 @@ mod golden;
 mod oracle;
 mod reference;
 mod scenes;
-mod trainer_ply;

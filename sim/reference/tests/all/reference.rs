@@ -202,8 +202,8 @@ proptest! {
     ) {
         let expected = splats.len();
         let counts = draw(engine, &scene_of(splats), &camera(false), &rules, Compositing::FrontToBack).counts;
-        let culled = counts.near + counts.far + counts.outside + counts.transparent;
-        let culled = culled + counts.degenerate + counts.non_finite;
+        let reasons = [Culled::Near, Culled::Far, Culled::OutsideViewport, Culled::Transparent, Culled::Degenerate, Culled::NonFinite];
+        let culled: usize = reasons.map(|reason| counts.culled(reason)).iter().sum();
         prop_assert_eq!(counts.splats, expected);
         prop_assert_eq!(counts.drawn + culled, expected);
     }

@@ -10,7 +10,6 @@ use crate::cli::say::usage;
 use crate::cli::values::{AntialiasChoice, Backfaces, SceneKind};
 use crate::cli::view_args::{SplatArgs, SurfaceArgs, ViewOptions};
 use crate::hybrid::{Hybrid, Points, spacing};
-use crate::plan::load::SourceCamera;
 use crate::plan::{
     AlphaChannel, AnyScene, Contents, Engine, SheetBuffers, Source, SplatMethod, SplatTechnique,
     Technique,
@@ -21,7 +20,7 @@ use crate::scene::Scene;
 use crate::scene::points::SurfaceScene;
 use crate::scene::points::flatten::flattened;
 use crate::scene::points::height_field::is_height_field;
-use crate::scene::points::orientation::Orientation;
+use crate::scene::points::orientation::is_closed_outwards;
 use crate::surface::{Buffer, Style, USUAL_EDGE};
 use crate::texture::warp;
 use anyhow::{Result, ensure};
@@ -82,7 +81,7 @@ impl PlanRequest<'_> {
             texture: photograph.map(|photograph| (photograph, options.coefficients)),
             spacing: options.spacing,
             flatten: options.flatten,
-            depth_image: pose.map(|pose| SourceCamera(pose.camera)),
+            depth_image: pose.map(|pose| pose.camera),
         })
     }
 
@@ -313,7 +312,7 @@ fn culls_backfaces(options: &SurfaceArgs, scene: &SurfaceScene) -> bool {
         Backfaces::Off => false,
         Backfaces::Auto => {
             let opaque = scene.points.iter().all(|point| point.opacity >= 1.0);
-            opaque && Orientation::of(scene).is_closed_outwards()
+            opaque && is_closed_outwards(&scene.points)
         }
     }
 }

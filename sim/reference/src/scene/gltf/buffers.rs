@@ -92,7 +92,7 @@ pub(super) struct Buffers<'a>(Vec<Cow<'a, [u8]>>);
 pub(super) struct Numbers<'a> {
     bytes: &'a [u8],
     stride: usize,
-    count: usize,
+    pub(super) count: usize,
     scalar: Scalar,
     /// What a stored integer is divided by.
     unit: f64,
@@ -223,10 +223,6 @@ fn fetch(uri: &str, folder: Option<&Path>, field: &str) -> Result<Vec<u8>, Probl
 }
 
 impl Numbers<'_> {
-    pub(super) fn count(&self) -> usize {
-        self.count
-    }
-
     /// Component `k` of element `index`.
     pub(super) fn at(&self, index: usize, k: usize) -> f64 {
         let first = index * self.stride + k * self.scalar.size();

@@ -31,9 +31,6 @@ const MAX_DEPTH: usize = 64;
 /// Most nodes visited: a node may be the child of several, so that a short file could ask for billions.
 const MAX_VISITS: usize = 1 << 16;
 
-/// What a file says that is drawn otherwise here.
-pub(super) type Notes = Vec<String>;
-
 #[derive(Default, Deserialize)]
 #[serde(rename_all = "camelCase", default)]
 struct Document {
@@ -87,11 +84,7 @@ struct Splatting {
 }
 
 /// Loads a `.gltf` or `.glb` file; other buffers are looked for in `folder`.
-pub(super) fn load(
-    bytes: &[u8],
-    folder: Option<&Path>,
-    name: &str,
-) -> Result<(Scene, Notes), Problem> {
+pub(super) fn load(bytes: &[u8], folder: Option<&Path>, name: &str) -> Result<Scene, Problem> {
     let (json, binary) = buffers::split(bytes)?;
     memory::room_for_json(json)?;
     let document: Document = serde_json::from_slice(json).map_err(|error| {
@@ -147,11 +140,9 @@ fn at<'a, T>(list: &'a [T], kind: &str, index: usize) -> Result<&'a T, Problem> 
 
 /// A primitive's numbers.
 struct GltfAttributes<'a> {
-    centres: Numbers<'a>,
-    rotations: Numbers<'a>,
-    scales: Numbers<'a>,
-    opacities: Numbers<'a>,
-    constant: Numbers<'a>,
+    /// Centres, rotations, scales, opacities and constant colours.
+    always: [Numbers<'a>; 5],
+    /// Harmonics of further degrees.
     rest: Vec<Numbers<'a>>,
     transform: Transform,
 }
@@ -161,10 +152,10 @@ fn gather(
     buffers: &Buffers,
     placed: &[(usize, Transform)],
     name: &str,
-) -> Result<(Scene, Notes), Problem> {
+) -> Result<Scene, Problem> {
     let mut parts = Vec::new();
     let mut orders = Vec::new();
-    let mut notes = Notes::new();
+    let mut left_out = false;
     for (index, transform) in placed {
         for primitive in &at(&document.meshes, "mesh", *index)?.primitives {
             match primitive.extensions.get(EXTENSION) {
@@ -172,7 +163,7 @@ fn gather(
                     orders.push(check(stated)?);
                     parts.push(attributes(primitive, document, buffers, *transform)?);
                 }
-                None => note(&mut notes, "primitives without Gaussians are left out"),
+                None => left_out = true,
             }
         }
     }
@@ -185,21 +176,25 @@ fn gather(
     let degree_of =
         |part: &GltfAttributes| super::gaussian::degree_of(part.rest.len()).unwrap_or(0);
     let degree = parts.iter().map(degree_of).max().unwrap_or(0);
-    let count = parts.iter().map(|part| part.centres.count() as u64).sum();
+    let count = parts.iter().map(|part| part.count() as u64).sum();
     let mut scene = GaussianScene::new(degree, count)?;
     for part in &parts {
         part.push_all(&mut scene)?;
     }
+    let mut scene = scene.finish(name)?;
+    if left_out {
+        let note = "primitives without Gaussians are left out";
+        scene.notes.push(note.to_owned());
+    }
     let order = orders.first().copied().unwrap_or_default();
     if orders.iter().any(|other| *other != order) {
         let name = order.name();
-        notes.push(format!(
+        scene.notes.push(format!(
             "its primitives are sorted in two ways: all are drawn in order of {name}"
         ));
     }
-    let mut scene = scene.finish(name)?;
     (scene.up, scene.order) = (UP, order);
-    Ok((scene, notes))
+    Ok(scene)
 }
 
 /// Refuses what would be drawn otherwise than stated, and gives the order of drawing.
@@ -240,13 +235,6 @@ fn check(stated: &serde_json::Value) -> Result<SortOrder, Problem> {
     }
 }
 
-/// Said once, however many primitives it holds for.
-fn note(notes: &mut Notes, text: &str) {
-    if !notes.iter().any(|said| said == text) {
-        notes.push(text.to_owned());
-    }
-}
-
 fn attributes<'a>(
     primitive: &GltfPrimitive,
     document: &Document,
@@ -266,25 +254,27 @@ fn attributes<'a>(
         })
     };
     let own = |name: &str| format!("{EXTENSION}:{name}");
-    let centres = required("POSITION", 3)?;
     let part = GltfAttributes {
-        rotations: required(&own("ROTATION"), 4)?,
-        scales: required(&own("SCALE"), 3)?,
-        opacities: required(&own("OPACITY"), 1)?,
-        constant: required(&own("SH_DEGREE_0_COEF_0"), 3)?,
+        always: [
+            required("POSITION", 3)?,
+            required(&own("ROTATION"), 4)?,
+            required(&own("SCALE"), 3)?,
+            required(&own("OPACITY"), 1)?,
+            required(&own("SH_DEGREE_0_COEF_0"), 3)?,
+        ],
         rest: harmonics(&find)?,
-        centres,
         transform,
     };
-    let count = part.centres.count();
-    let different = part.others().find(|other| *other != count);
-    match different {
-        Some(other) => bail!(
+    let count = part.count();
+    for numbers in part.always.iter().chain(&part.rest) {
+        let other = numbers.count;
+        ensure!(
+            other == count,
             "accessor count: {other} beside {count} positions; \
              export the scene again: every attribute needs as many"
-        ),
-        None => Ok(part),
+        );
     }
+    Ok(part)
 }
 
 /// The coefficients of the degrees that are whole; one that is not is an error.
@@ -309,34 +299,29 @@ fn harmonics<'a>(
 }
 
 impl GltfAttributes<'_> {
-    /// Counts of all attributes but the centres.
-    fn others(&self) -> impl Iterator<Item = usize> {
-        let own = [
-            &self.rotations,
-            &self.scales,
-            &self.opacities,
-            &self.constant,
-        ];
-        own.into_iter().chain(&self.rest).map(Numbers::count)
+    /// Gaussians of the primitive.
+    fn count(&self) -> usize {
+        self.always[0].count
     }
 
     fn push_all(&self, scene: &mut GaussianScene) -> Result<(), Problem> {
+        let [centres, rotations, scales, opacities, constant] = &self.always;
         let turn = self.transform.harmonics(self.rest.len())?;
         scene.harmonics.fill([0.0; 3]);
-        for index in 0..self.centres.count() {
+        for index in 0..self.count() {
             for (coefficient, numbers) in scene.harmonics.iter_mut().zip(&self.rest) {
                 *coefficient = numbers.three(index).map(|value| value as f32);
             }
             if let Some(turn) = &turn {
                 turn.apply(&mut scene.harmonics[..self.rest.len()]);
             }
-            let [x, y, z, w] = [0, 1, 2, 3].map(|k| self.rotations.at(index, k));
+            let [x, y, z, w] = [0, 1, 2, 3].map(|k| rotations.at(index, k));
             let gaussian = Gaussian {
-                centre: self.centres.three(index),
-                scales: self.scales.three(index),
+                centre: centres.three(index),
+                scales: scales.three(index),
                 rotation: [w, x, y, z],
-                opacity: self.opacities.at(index, 0),
-                base: self.constant.three(index).map(base_from_coefficient),
+                opacity: opacities.at(index, 0),
+                base: constant.three(index).map(base_from_coefficient),
             };
             scene.push_transformed(&gaussian, &self.transform.linear, self.transform.offset);
         }

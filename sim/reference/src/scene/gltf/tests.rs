@@ -6,46 +6,30 @@ use super::*;
 use base64::Engine;
 use serde_json::{Value, json};
 
-/// Two Gaussians: places, rotations, scales, opacities, constant colours and one degree of harmonics, floats one after
-/// the other.
-fn numbers() -> Vec<(String, &'static str, Vec<f32>)> {
-    let own = |name: &str| format!("{EXTENSION}:{name}");
-    let mut list = vec![
-        ("POSITION".to_owned(), "VEC3", vec![1., 2., 3., 0., 0., 0.]),
-        (
-            own("ROTATION"),
-            "VEC4",
-            vec![0., 0., 0., 1., 1., 0., 0., 0.],
-        ),
-        (own("SCALE"), "VEC3", vec![0.5, 1., 2., 1., 1., 1.]),
-        (own("OPACITY"), "SCALAR", vec![0.25, 1.0]),
-        (
-            own("SH_DEGREE_0_COEF_0"),
-            "VEC3",
-            vec![1., 0., -1., 0., 0., 0.],
-        ),
-    ];
-    for k in 0..3u8 {
-        let value = f32::from(k) + 1.0;
-        list.push((
-            own(&format!("SH_DEGREE_1_COEF_{k}")),
-            "VEC3",
-            vec![value; 6],
-        ));
-    }
-    list
-}
+/// Two Gaussians: attributes behind the extension's name (but the first), their type, and floats one after the other.
+const ATTRIBUTES: &str = "
+    POSITION => VEC3 => 1 2 3 0 0 0
+    ROTATION => VEC4 => 0 0 0 1 1 0 0 0
+    SCALE => VEC3 => 0.5 1 2 1 1 1
+    OPACITY => SCALAR => 0.25 1
+    SH_DEGREE_0_COEF_0 => VEC3 => 1 0 -1 0 0 0
+    SH_DEGREE_1_COEF_0 => VEC3 => 1 1 1 1 1 1
+    SH_DEGREE_1_COEF_1 => VEC3 => 2 2 2 2 2 2
+    SH_DEGREE_1_COEF_2 => VEC3 => 3 3 3 3 3 3
+";
 
 fn document() -> (Value, Vec<u8>) {
     let mut binary = Vec::new();
     let (mut views, mut accessors) = (Vec::new(), Vec::new());
     let mut attributes = serde_json::Map::new();
-    for (index, (name, kind, values)) in numbers().into_iter().enumerate() {
-        let bytes: Vec<u8> = values.into_iter().flat_map(f32::to_le_bytes).collect();
+    for (index, [name, kind, values]) in rows(ATTRIBUTES).enumerate() {
+        let values = values.split(' ').map(|value| value.parse().unwrap());
+        let bytes: Vec<u8> = values.flat_map(f32::to_le_bytes).collect();
         views.push(json!({"buffer": 0, "byteOffset": binary.len(), "byteLength": bytes.len()}));
         accessors
             .push(json!({"bufferView": index, "componentType": 5126, "count": 2, "type": kind}));
-        attributes.insert(name, json!(index));
+        let own = format!("{EXTENSION}:{name}");
+        attributes.insert(if index == 0 { name } else { own }, json!(index));
         binary.extend(bytes);
     }
     let document = json!({
@@ -85,7 +69,7 @@ fn glb(document: &Value, binary: &[u8]) -> Vec<u8> {
 }
 
 fn load_glb(bytes: &[u8]) -> Result<Scene, Problem> {
-    load(bytes, None, "x").map(|(scene, _)| scene)
+    load(bytes, None, "x")
 }
 
 fn changed(change: impl FnOnce(&mut Value)) -> Vec<u8> {
@@ -120,7 +104,7 @@ fn the_same_buffer_may_be_a_data_uri_or_a_file() {
     std::fs::write(folder.path().join("x.bin"), &binary).unwrap();
     document["buffers"][0]["uri"] = json!("x.bin");
     let text = document.to_string();
-    let (found, _) = load(text.as_bytes(), Some(folder.path()), "x").unwrap();
+    let found = load(text.as_bytes(), Some(folder.path()), "x").unwrap();
     assert_eq!(found, expected);
 }
 
@@ -189,24 +173,24 @@ fn the_order_is_the_files() {
                 method.clone();
         })
     };
-    assert_eq!(stated("zDepth").0.order, SortOrder::Depth);
-    assert_eq!(stated("cameraDistance").0.order, SortOrder::Distance);
+    assert_eq!(stated("zDepth").order, SortOrder::Depth);
+    assert_eq!(stated("cameraDistance").order, SortOrder::Distance);
     let silent = loaded(&|document| {
         let extension = &mut document["meshes"][0]["primitives"][0]["extensions"][EXTENSION];
         extension.as_object_mut().unwrap().remove("sortingMethod");
     });
-    assert_eq!((silent.0.order, silent.1.len()), (SortOrder::Distance, 0));
+    assert_eq!((silent.order, silent.notes.len()), (SortOrder::Distance, 0));
     let mixed = loaded(&|document| {
         let primitives = document["meshes"][0]["primitives"].as_array_mut().unwrap();
         let mut other = primitives[0].clone();
         other["extensions"][EXTENSION]["sortingMethod"] = json!("cameraDistance");
         primitives.push(other);
     });
-    assert_eq!(mixed.0.order, SortOrder::Depth);
+    assert_eq!(mixed.order, SortOrder::Depth);
     assert!(
-        mixed.1[0].contains("all are drawn in order of depth"),
+        mixed.notes[0].contains("all are drawn in order of depth"),
         "{:?}",
-        mixed.1
+        mixed.notes
     );
 }
 

@@ -132,7 +132,7 @@ fn mixing(rotation: &[[f64; 3]; 3], first: usize, width: usize) -> Vec<Vec<f64>>
         .iter()
         .map(|d| [basis(*d), basis(back(*d))].concat())
         .collect();
-    eliminate(&mut rows);
+    vector::eliminate(&mut rows);
     rows.iter().map(|row| row[width..].to_vec()).collect()
 }
 
@@ -142,26 +142,6 @@ fn spread(index: usize, count: usize) -> [f64; 3] {
     let angle = 2.399_963_229_728_653 * index as f64;
     let radius = (1.0 - z * z).sqrt();
     [radius * angle.cos(), radius * angle.sin(), z]
-}
-
-/// Turns the left half of the rows into the unit matrix (Gauss and Jordan, with pivots).
-fn eliminate(rows: &mut [Vec<f64>]) {
-    for column in 0..rows.len() {
-        let pivot = (column..rows.len())
-            .max_by(|&a, &b| rows[a][column].abs().total_cmp(&rows[b][column].abs()))
-            .unwrap_or(column);
-        rows.swap(column, pivot);
-        let scale = 1.0 / rows[column][column];
-        rows[column].iter_mut().for_each(|value| *value *= scale);
-        let row = rows[column].clone();
-        let others = rows.iter_mut().enumerate();
-        for (_, other) in others.filter(|(index, _)| *index != column) {
-            let factor = other[column];
-            for (value, part) in other.iter_mut().zip(&row) {
-                *value -= factor * part;
-            }
-        }
-    }
 }
 
 #[cfg(test)]

@@ -10,12 +10,12 @@ mod tests;
 use super::bytes::{Endian, Scalar};
 use super::error::Problem;
 use super::volume::header::{HeaderField, LineHeader};
-use super::volume::{Grid, Noted, Packing, data_file, is_spacing};
+use super::volume::{Grid, Packing, Volume, data_file, is_spacing};
 use anyhow::bail;
 use std::path::Path;
 
 /// Loads a volume; `folder` is where a detached header's data file is looked for.
-pub(super) fn load(bytes: &[u8], folder: Option<&Path>) -> Result<Noted, Problem> {
+pub(super) fn load(bytes: &[u8], folder: Option<&Path>) -> Result<Volume, Problem> {
     let (header, attached) = read(bytes)?;
     let grid = grid(&header)?;
     let packing = parse_encoding(header.required("encoding")?)?;
@@ -30,7 +30,7 @@ pub(super) fn load(bytes: &[u8], folder: Option<&Path>) -> Result<Noted, Problem
              add the data, or a 'data file: NAME' line"
         ),
     };
-    Ok((grid.volume(values), Vec::new()))
+    Ok(grid.volume(values, Vec::new()))
 }
 
 /// The header, and what follows its blank line if there is one.
@@ -85,9 +85,11 @@ fn grid(header: &LineHeader) -> Result<Grid, Problem> {
         return Err(dimension.is("give a 3D volume"));
     }
     let kind = parse_kind(header.required("type")?)?;
-    let endian = match header.get("endian") {
+    let endian = match header.get("endian").map(|field| field.value.as_str()) {
         None if kind.size() == 1 => Endian::Little,
-        _ => parse_endian(header.required("endian")?)?,
+        Some("little") => Endian::Little,
+        Some("big") => Endian::Big,
+        _ => return Err(header.required("endian")?.is("write 'little' or 'big'")),
     };
     Ok(Grid {
         sizes: header.required("sizes")?.sizes()?,
@@ -109,14 +111,6 @@ fn parse_kind(field: &HeaderField) -> Result<Scalar, Problem> {
         }
         "float" => Ok(Scalar::F32),
         _ => Err(field.is_not("supported", "convert to uchar, short, ushort or float")),
-    }
-}
-
-fn parse_endian(field: &HeaderField) -> Result<Endian, Problem> {
-    match field.value.as_str() {
-        "little" => Ok(Endian::Little),
-        "big" => Ok(Endian::Big),
-        _ => Err(field.is("write 'little' or 'big'")),
     }
 }
 

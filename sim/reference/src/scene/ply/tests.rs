@@ -2,7 +2,7 @@
 
 use super::super::Skipped;
 use super::*;
-use crate::scene::damage_tests::{assert_refused, rows, survives};
+use crate::scene::damage_tests::{assert_refused, assert_refused_with, replaced, rows, survives};
 
 const FIELDS: [&str; 14] = [
     "x", "y", "z", "f_dc_0", "f_dc_1", "f_dc_2", "opacity", "scale_0", "scale_1", "scale_2",
@@ -212,10 +212,7 @@ fn absurd_counts_are_refused_at_once() {
 }
 
 #[test]
-#[cfg_attr(
-    not(has_data),
-    ignore = "built without the shared data beside the project"
-)]
+#[cfg_attr(not(has_data), ignore = "needs the shared data")]
 fn a_point_cloud_is_told_that_surface_splats_come_later() {
     let bytes = header(
         "ascii",
@@ -266,42 +263,28 @@ fn each_message_names_the_field_and_the_fix() {
     for [line, expected] in rows(added) {
         assert_refused(&[(header("ascii", "1", &with(&line)), &*expected)], load);
     }
-    let body = |rest: &str| header("ascii", "1", &full) + rest;
+    let changed = r"
+        vertex 2 => vertex 0 => element vertex: its count is 0; export a scene with splats in it
+        property float x\n => => property x: the Gaussians' element vertex lacks it; export the scene with
+        1 2 3 => 1 1 2 3 => line 19: '0.5' stands after the last property
+        1 2 3 0.5 => 1 2\n => line 19, property z: the line ends before it
+        1 2 3 => 1 two 3 => line 19, property y: 'two' is no number; write
+        vertex 2 => vertex 3 => line 21: the file ends before the last record; fetch it
+    ";
+    let whole = file("ascii");
+    assert_refused_with(&whole, changed, load);
+    let list = header("ascii", "1", &with("property list int int odd"));
     let cases = [
         (
-            header("ascii", "0", &full),
-            "element vertex: its count is 0; export a scene with splats in it",
-        ),
-        (
-            header("ascii", "1", &full[1..]),
-            "property x: the Gaussians' element vertex lacks it; export the scene with",
-        ),
-        (
-            body(&("1 ".repeat(20) + "\n")),
-            "line 19: '1' stands after the last property",
-        ),
-        (
-            body(&(" ".repeat(40) + "1 2\n")),
-            "line 19, property z: the line ends before it",
-        ),
-        (
-            body("1 two 3 4 5 6 7 8 9 10 11 12 13 14\n"),
-            "property y: 'two' is no number; write",
-        ),
-        (
-            body(&"1 ".repeat(14)),
+            whole.trim_ascii_end().to_vec(),
             "the file ends without a newline, so the last number may",
         ),
         (
-            body(&" \n".repeat(30)),
-            "line 49: the file ends before the last record; fetch it",
-        ),
-        (
-            String::from_utf8(file("ascii")).unwrap() + "9\n",
+            [&whole[..], b"9\n"].concat(),
             "PLY body: 1 bytes are left over after the last record",
         ),
         (
-            header("ascii", "1", &with("property list int int odd")) + &"1 ".repeat(14) + "-1\n",
+            (list + &"1 ".repeat(14) + "-1\n").into_bytes(),
             "line 20, property odd: the list length -1 is no count; correct the list",
         ),
     ];
@@ -309,10 +292,11 @@ fn each_message_names_the_field_and_the_fix() {
 }
 
 fn with_comment(line: &str) -> Vec<u8> {
-    let text = file("ascii");
-    let text = String::from_utf8(text).unwrap();
-    let text = text.replacen("element", &format!("comment {line}\nelement"), 1);
-    text.into_bytes()
+    replaced(
+        &file("ascii"),
+        "element",
+        &format!("comment {line}\nelement"),
+    )
 }
 
 /// As the tools that write them spell it.

@@ -9,8 +9,8 @@
 //!   cloud. A sphere has 1, one with normals pointing inwards -1, a flat sheet 0. By Gauss' theorem it is three volumes
 //!   over the mean distance and area, so it is positive for every closed surface with normals outwards, convex or not.
 
+use super::SurfacePoint;
 use super::neighbours::Neighbours;
-use super::{SurfacePoint, SurfaceScene};
 use crate::vector::{self, Vector};
 
 /// Least agreement of a cloud with consistent normals.
@@ -88,45 +88,30 @@ fn share(part: f64, whole: f64) -> f64 {
     if whole > 0.0 { part / whole } else { 0.0 }
 }
 
-/// How a cloud's normals point.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Orientation {
-    /// Share of neighbouring pairs that agree.
-    pub agreement: f64,
-    /// Flux outwards, -1 to 1.
-    pub outward: f64,
+/// Share of neighbouring pairs whose normals point to the same side.
+fn agreement(points: &[SurfacePoint]) -> f64 {
+    let places: Vec<Vector> = points.iter().map(|point| point.centre).collect();
+    let tree = Neighbours::new(&places);
+    let every = points.len().div_ceil(SAMPLE).max(1);
+    let (mut pairs, mut agreeing) = (0usize, 0usize);
+    for index in (0..points.len()).step_by(every) {
+        for other in tree.nearest(index, NEIGHBOURS) {
+            pairs += 1;
+            let cosine = vector::dot(points[index].normal, points[other].normal);
+            agreeing += usize::from(cosine > 0.0);
+        }
+    }
+    share(agreeing as f64, pairs as f64)
 }
 
-impl Orientation {
-    /// Measures a scene.
-    pub fn of(scene: &SurfaceScene) -> Orientation {
-        let points = &scene.points;
-        let places: Vec<Vector> = points.iter().map(|point| point.centre).collect();
-        let tree = Neighbours::new(&places);
-        let every = points.len().div_ceil(SAMPLE).max(1);
-        let (mut pairs, mut agreeing) = (0usize, 0usize);
-        for index in (0..points.len()).step_by(every) {
-            for other in tree.nearest(index, NEIGHBOURS) {
-                pairs += 1;
-                let cosine = vector::dot(points[index].normal, points[other].normal);
-                agreeing += usize::from(cosine > 0.0);
-            }
-        }
-        Orientation {
-            agreement: share(agreeing as f64, pairs as f64),
-            outward: outward(points),
-        }
-    }
-
-    /// A closed surface with normals outwards, as far as these figures can tell.
-    pub fn is_closed_outwards(&self) -> bool {
-        self.agreement >= LEAST_AGREEMENT && self.outward >= LEAST_OUTWARD
-    }
+/// A closed surface with normals outwards, as far as these figures can tell.
+pub fn is_closed_outwards(points: &[SurfacePoint]) -> bool {
+    outward(points) >= LEAST_OUTWARD && agreement(points) >= LEAST_AGREEMENT
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::synthetic::{Paint, scene, sheet, sphere};
+    use super::super::synthetic::{Paint, sheet, sphere};
     use super::*;
 
     const PAINT: Paint = Paint {
@@ -135,7 +120,7 @@ mod tests {
         material: 0,
     };
 
-    fn ball(turned: impl Fn(usize) -> bool) -> Orientation {
+    fn ball(turned: impl Fn(usize) -> bool) -> Vec<SurfacePoint> {
         let mut points = sphere([5.0, -3.0, 2.0], 1.5, 3_000, PAINT);
         for (index, point) in points.iter_mut().enumerate() {
             // Outwards whatever the generator does, then turned.
@@ -143,14 +128,19 @@ mod tests {
             let sign = if turned(index) { -1.0 } else { 1.0 };
             point.normal = vector::scale(sign / vector::length(out), out);
         }
-        Orientation::of(&scene("ball", points))
+        points
+    }
+
+    fn ground() -> Vec<SurfacePoint> {
+        let axes = [[1.0, 0.0, 0.2], [0.0, 1.0, 0.1]];
+        sheet([0.0; 3], axes, 0.05, |_, _| PAINT)
     }
 
     #[test]
     fn a_ball_is_closed_outwards() {
-        let found = ball(|_| false);
-        assert!(found.agreement > 0.999 && found.outward > 0.99, "{found:?}");
-        assert!(found.is_closed_outwards());
+        let points = ball(|_| false);
+        assert!(agreement(&points) > 0.999 && outward(&points) > 0.99);
+        assert!(is_closed_outwards(&points));
     }
 
     #[test]
@@ -170,15 +160,13 @@ mod tests {
             }
             assert_eq!(up(&cut), side);
         }
-        let ground = [[1.0, 0.0, 0.2], [0.0, 1.0, 0.1]];
-        let ground = sheet([0.0; 3], ground, 0.05, |_, _| PAINT);
-        assert_eq!(up(&ground), [0.0, 0.0, 1.0]);
+        assert_eq!(up(&ground()), [0.0, 0.0, 1.0]);
     }
 
     #[test]
     fn normals_inwards_or_anyhow_are_not() {
         let inwards = ball(|_| true);
-        assert!(inwards.outward < -0.99 && !inwards.is_closed_outwards());
+        assert!(outward(&inwards) < -0.99 && !is_closed_outwards(&inwards));
         // A ratio near the golden one would follow the spiral on which the points lie.
         let coin = |index: usize| {
             let mixed = (index as u64 + 1).wrapping_mul(0xff51_afd7_ed55_8ccd);
@@ -186,22 +174,14 @@ mod tests {
             mixed >> 40 & 1 == 0
         };
         let anyhow = ball(coin);
-        assert!((anyhow.agreement - 0.5).abs() < 0.1, "{anyhow:?}");
-        assert!(!anyhow.is_closed_outwards());
-        let some = ball(|index| index % 20 == 0);
-        assert!(!some.is_closed_outwards(), "{some:?}");
+        assert!((agreement(&anyhow) - 0.5).abs() < 0.1);
+        assert!(!is_closed_outwards(&anyhow));
+        assert!(!is_closed_outwards(&ball(|index| index % 20 == 0)));
     }
 
     #[test]
     fn an_open_sheet_is_not() {
-        let points = sheet(
-            [0.0; 3],
-            [[1.0, 0.0, 0.2], [0.0, 1.0, 0.1]],
-            0.05,
-            |_, _| PAINT,
-        );
-        let found = Orientation::of(&scene("sheet", points));
-        assert!(found.agreement > 0.99, "{found:?}");
-        assert!(!found.is_closed_outwards(), "{found:?}");
+        assert!(agreement(&ground()) > 0.99);
+        assert!(!is_closed_outwards(&ground()));
     }
 }

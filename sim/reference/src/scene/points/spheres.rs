@@ -6,7 +6,6 @@
 use super::SurfaceScene;
 use crate::rules::Rules;
 use crate::scene::{Scene, Splat};
-use crate::vector;
 
 /// Half the spacing of the scanned lion, scene units: the spheres of neighbouring points meet.
 pub const LION_DEVIATION: f64 = 0.0035;
@@ -19,12 +18,8 @@ pub const RULES: Rules = Rules {
 
 /// The cloud's points as spheres of this standard deviation, scene units.
 pub fn as_spheres(cloud: &SurfaceScene, deviation: f64) -> Scene {
-    let splats = cloud.points.iter().map(|point| Splat {
-        centre: point.centre,
-        axes: vector::diagonal([deviation; 3]),
-        weight: 1.0,
-        colour: point.colour,
-    });
+    let points = cloud.points.iter();
+    let splats = points.map(|point| Splat::sphere(point.centre, deviation, point.colour));
     Scene {
         up: cloud.up,
         ..Scene::of_splats(&cloud.name, RULES, splats.collect())

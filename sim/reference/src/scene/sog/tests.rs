@@ -157,22 +157,16 @@ fn each_message_names_the_field_and_the_fix() {
     });
     let huge = webp(1024, &vec![[7, 7, 7, 255]; 1024 * 200]);
     let label = webp(2, &[[2, 0, 0, 255], [0, 0, 0, 255]]);
+    let too_many = "c.webp: it has 1024 x 200 pixels; 2 are needed";
+    let no_entry = "labels.webp: Gaussian 0 has the label 2; the palette has 2 entries";
+    let cut = "q.webp: damaged or truncated";
     for (name, picture, expected) in [
-        (
-            "c.webp",
-            huge,
-            "c.webp: it has 1024 x 200 pixels; 2 are needed",
-        ),
-        (
-            "labels.webp",
-            label,
-            "labels.webp: Gaussian 0 has the label 2; the palette has 2 entries",
-        ),
-        ("q.webp", b"RIFF".to_vec(), "q.webp: damaged or truncated"),
+        ("c.webp", huge, too_many),
+        ("labels.webp", label, no_entry),
+        ("q.webp", b"RIFF".to_vec(), cut),
     ] {
-        assert_refused(&[(picture, expected)], |picture| {
-            load(with(name, picture.to_vec()))
-        });
+        let load = |picture: &[u8]| load(with(name, picture.to_vec()));
+        assert_refused(&[(picture, expected)], load);
     }
 }
 

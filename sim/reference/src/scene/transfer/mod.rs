@@ -93,16 +93,12 @@ pub struct Transfer {
     /// Control points, `at` increasing; none means a multiplier of 1.
     #[serde(rename = "gradient", default)]
     gradients: Vec<GradientPoint>,
+    /// The Phong terms that go with this function.
     #[serde(default)]
-    shading: Shading,
+    pub shading: Shading,
 }
 
 impl Transfer {
-    /// The Phong terms that go with this function.
-    pub fn shading(&self) -> Shading {
-        self.shading
-    }
-
     /// Colour and extinction at a value, before the gradient is looked at.
     pub fn at_value(&self, value: f64) -> ([f64; 3], f64) {
         let (low, high, part) = bracket(&self.values, value, |point| point.at);

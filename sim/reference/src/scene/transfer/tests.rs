@@ -33,7 +33,7 @@ fn control_points_are_joined_linearly_and_end_flat() {
     assert_eq!(transfer.at_gradient(2.0), 0.5);
     assert_eq!(transfer.at_gradient(99.0), 2.0);
     assert_eq!(
-        transfer.shading(),
+        transfer.shading,
         Shading {
             ambient: 0.5,
             ..Shading::default()

@@ -8,32 +8,16 @@
 use super::super::bytes::{Endian, Scalar};
 use super::super::error::{Problem, shorten};
 use super::header::LineHeader;
-use super::{Grid, Noted, Packing, UNTURNED, data_file, numbers, three_spacings, turned};
+use super::{Grid, Packing, UNTURNED, Volume, data_file, numbers, three_spacings, turned};
 use std::path::Path;
 
-/// The keys that matter.
-const KEYS: [&str; 13] = [
-    "ndims",
-    "dimsize",
-    "elementtype",
-    "elementspacing",
-    "elementsize",
-    "elementnumberofchannels",
-    "binarydata",
-    "binarydatabyteordermsb",
-    "elementbyteordermsb",
-    "compresseddata",
-    "compresseddatasize",
-    "headersize",
-    LAST,
-];
 /// Those of the turn of the grid, which differ from version to version.
 const TURNS: [&str; 3] = ["orientation", "rotation", "transformmatrix"];
 
 const LAST: &str = "elementdatafile";
 
 /// Loads a volume; `folder` is where a data file is looked for.
-pub(in super::super) fn load(bytes: &[u8], folder: Option<&Path>) -> Result<Noted, Problem> {
+pub(in super::super) fn load(bytes: &[u8], folder: Option<&Path>) -> Result<Volume, Problem> {
     let (header, rest) = read(bytes)?;
     let grid = grid(&header)?;
     let packing = match flag(&header, "compresseddata")? {
@@ -47,7 +31,7 @@ pub(in super::super) fn load(bytes: &[u8], folder: Option<&Path>) -> Result<Note
         }
         _ => grid.unpack(&data_file(file.data_file()?, folder)?, packing, "DimSize")?,
     };
-    Ok((grid.volume(values), turned(is_turned(&header)?)))
+    Ok(grid.volume(values, turned(is_turned(&header)?)))
 }
 
 /// The header's fields, and what follows it.
@@ -79,12 +63,44 @@ fn add(header: &mut LineHeader, line: &str) -> Result<(), Problem> {
     }
     match key.as_str() {
         // These describe the data without changing how they are read.
-        "comment" | "objecttype" | "objectsubtype" | "transformtype" | "name" | "id"
-        | "parentid" | "color" | "centerofrotation" | "offset" | "origin" | "position"
-        | "distanceunits" | "modality" | "elementmin" | "elementmax" | "elementnbits"
-        | "sequenceid" | "imageposition" | "creationdate" | "acquisitiondate" => Ok(()),
-        "anatomicalorientation" => Ok(()),
-        key if KEYS.contains(&key) || TURNS.contains(&key) => header.add(key, name, value),
+        "comment"
+        | "objecttype"
+        | "objectsubtype"
+        | "transformtype"
+        | "name"
+        | "id"
+        | "parentid"
+        | "color"
+        | "centerofrotation"
+        | "offset"
+        | "origin"
+        | "position"
+        | "distanceunits"
+        | "modality"
+        | "elementmin"
+        | "elementmax"
+        | "elementnbits"
+        | "sequenceid"
+        | "imageposition"
+        | "creationdate"
+        | "acquisitiondate"
+        | "anatomicalorientation" => Ok(()),
+        "ndims"
+        | "dimsize"
+        | "elementtype"
+        | "elementspacing"
+        | "elementsize"
+        | "elementnumberofchannels"
+        | "binarydata"
+        | "binarydatabyteordermsb"
+        | "elementbyteordermsb"
+        | "compresseddata"
+        | "compresseddatasize"
+        | "headersize"
+        | LAST
+        | "orientation"
+        | "rotation"
+        | "transformmatrix" => header.add(&key, name, value),
         _ => Err(header.unsupported(name)),
     }
 }

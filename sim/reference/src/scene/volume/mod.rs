@@ -29,10 +29,9 @@ pub(super) struct Volume {
     /// Distance between neighbours along x, y and z, scene units.
     pub(super) spacings: [f64; 3],
     pub(super) values: Vec<f32>,
+    /// What its file says that is drawn otherwise here.
+    pub(super) notes: Vec<String>,
 }
-
-/// A volume, and what its file says that is drawn otherwise here.
-pub(super) type Noted = (Volume, Vec<String>);
 
 /// How a volume's numbers are packed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -96,11 +95,12 @@ impl Grid {
         self.decode(&unpack(data, needed, self.value_bytes(), "volume data")?)
     }
 
-    pub(super) fn volume(&self, values: Vec<f32>) -> Volume {
+    pub(super) fn volume(&self, values: Vec<f32>, notes: Vec<String>) -> Volume {
         Volume {
             sizes: self.sizes,
             spacings: self.spacings,
             values,
+            notes,
         }
     }
 }

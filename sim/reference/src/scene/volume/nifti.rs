@@ -16,7 +16,7 @@
 
 use super::super::bytes::{Endian, Scalar, gunzip_at_most, gunzip_exact, truncated};
 use super::super::error::Problem;
-use super::{Grid, Noted, exact, is_spacing, turned};
+use super::{Grid, Volume, exact, is_spacing, turned};
 use anyhow::{bail, ensure};
 
 /// Bytes of the longer header.
@@ -70,7 +70,7 @@ pub(in super::super) fn is_nifti(bytes: &[u8]) -> bool {
 }
 
 /// Loads a volume, packed or not.
-pub(in super::super) fn load(bytes: &[u8]) -> Result<Noted, Problem> {
+pub(in super::super) fn load(bytes: &[u8]) -> Result<Volume, Problem> {
     if !bytes.starts_with(&GZIP) {
         let header = Header::read(bytes)?;
         let data = bytes.get(header.offset..).unwrap_or_default();
@@ -138,7 +138,7 @@ impl Header {
         })
     }
 
-    fn volume(&self, data: &[u8]) -> Result<Noted, Problem> {
+    fn volume(&self, data: &[u8]) -> Result<Volume, Problem> {
         let [slope, inter] = self.scale;
         let mut values = self.grid.decode(data)?;
         if slope != 0.0 && slope.is_finite() && inter.is_finite() && (slope, inter) != (1.0, 0.0) {
@@ -146,7 +146,7 @@ impl Header {
                 *value = (slope * f64::from(*value) + inter) as f32;
             }
         }
-        Ok((self.grid.volume(values), turned(self.is_turned)))
+        Ok(self.grid.volume(values, turned(self.is_turned)))
     }
 }
 

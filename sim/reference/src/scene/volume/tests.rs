@@ -3,7 +3,7 @@
 #[cfg(feature = "vti")]
 use super::super::damage_tests::rows;
 use super::super::damage_tests::{
-    assert_refused, assert_refused_with, assert_told, gzip, replaced, survives,
+    assert_refused, assert_refused_at, assert_refused_with, assert_told, gzip, replaced, survives,
 };
 use super::super::{LoadOptions, Scene, load};
 use super::*;
@@ -26,8 +26,8 @@ fn expected() -> Vec<f32> {
     (0..60).map(|index| value(index) as f32).collect()
 }
 
-fn check(name: &str, loaded: Result<Noted, Problem>) {
-    let (volume, _) = loaded.unwrap_or_else(|problem| panic!("{name}: {problem}"));
+fn check(name: &str, loaded: Result<Volume, Problem>) {
+    let volume = loaded.unwrap_or_else(|problem| panic!("{name}: {problem}"));
     assert_eq!(volume.sizes, [3, 4, 5], "{name}");
     assert_eq!(volume.spacings, [0.5, 1.0, 2.0], "{name}");
     assert_eq!(volume.values, expected(), "{name}");
@@ -39,10 +39,10 @@ fn scene(name: &str) -> Scene {
 }
 
 /// What the mutations of a reader need.
-fn drawn(loaded: Result<Noted, Problem>) -> Result<Scene, Problem> {
+fn drawn(loaded: Result<Volume, Problem>) -> Result<Scene, Problem> {
     let transfer = super::super::Transfer::ramp(0.0, 255.0, 1.0);
     let light = super::super::shade::DEFAULT_LIGHT;
-    super::super::shade::shade(&loaded?.0, &transfer, light, "x")
+    super::super::shade::shade(&loaded?, &transfer, light, "x")
 }
 
 #[test]
@@ -52,11 +52,11 @@ fn nifti_files_of_nibabel_are_read() {
         assert_eq!(scene(name).splats.len(), scene("volume.nii").splats.len());
     }
     // The slope is in single precision, as the values are.
-    let (scaled, notes) = nifti::load(&bytes("scaled.nii")).unwrap();
+    let scaled = nifti::load(&bytes("scaled.nii")).unwrap();
     for (value, whole) in scaled.values.iter().zip(expected()) {
         assert!((value - whole / 7.0).abs() < 1e-3, "{value} {whole}");
     }
-    assert_eq!(notes, [TURNED]);
+    assert_eq!(scaled.notes, [TURNED]);
     assert!(nifti::is_nifti(&bytes("volume.nii")) && nifti::is_nifti(&bytes("second.nii")));
 }
 
@@ -107,37 +107,17 @@ fn damaged_volumes_are_refused() {
 
 #[test]
 fn messages_of_nifti_name_the_field_and_the_fix() {
-    let nan = f32::NAN.to_le_bytes();
-    for (place, stored, expected) in [
-        (0, &[7][..], "sizeof_hdr: it is 263; 348 and 540 are read"),
-        (
-            344,
-            b"ni1\0",
-            "magic: it is not that of a single file; join header (.hdr)",
-        ),
-        (
-            70,
-            &[32, 0],
-            "datatype: it is 32; convert to integers of 8 to 32 bits",
-        ),
-        (40, &[2, 0], "dim: it is 2 3 4 5 1 1 1 1; give one volume"),
-        (42, &[0, 0], "dim: it is 3 0 4 5 1 1 1 1; give one volume"),
-        (
-            46,
-            &[9, 0],
-            "volume data: 216 bytes are needed but 120 are left",
-        ),
-        (80, &nan, "pixdim: [NaN, 1.0, 2.0] are no distances"),
-        (
-            108,
-            &[0; 4],
-            "vox_offset: it is 0; the data of a single file begin",
-        ),
-    ] {
-        let mut whole = bytes("volume.nii");
-        whole[place..place + stored.len()].copy_from_slice(stored);
-        assert_refused(&[(whole, expected)], nifti::load);
-    }
+    let table = r"
+        0 => 07 => sizeof_hdr: it is 263; 348 and 540 are read
+        344 => 6e 69 31 00 => magic: it is not that of a single file; join header (.hdr)
+        70 => 20 00 => datatype: it is 32; convert to integers of 8 to 32 bits
+        40 => 02 00 => dim: it is 2 3 4 5 1 1 1 1; give one volume
+        42 => 00 00 => dim: it is 3 0 4 5 1 1 1 1; give one volume
+        46 => 09 00 => volume data: 216 bytes are needed but 120 are left
+        80 => 00 00 c0 7f => pixdim: [NaN, 1.0, 2.0] are no distances
+        108 => 00 00 00 00 => vox_offset: it is 0; the data of a single file begin
+    ";
+    assert_refused_at(&bytes("volume.nii"), table, nifti::load);
 }
 
 #[test]
@@ -191,7 +171,7 @@ fn messages_of_meta_images_name_the_field_and_the_fix() {
     ";
     assert_refused_with(&whole, table, |bytes| meta_image::load(bytes, None));
     let turned = replaced(&whole, "TransformMatrix = 1", "TransformMatrix = -1");
-    assert_eq!(meta_image::load(&turned, None).unwrap().1, [TURNED]);
+    assert_eq!(meta_image::load(&turned, None).unwrap().notes, [TURNED]);
 }
 
 #[cfg(feature = "vti")]

@@ -8,7 +8,7 @@
 
 use super::super::bytes::{Endian, Reader, Scalar, unzlib_exact};
 use super::super::error::{Problem, shorten};
-use super::{Grid, Noted, UNTURNED, exact, three_spacings, turned};
+use super::{Grid, UNTURNED, Volume, exact, three_spacings, turned};
 use crate::memory;
 use anyhow::{Context, anyhow, bail, ensure};
 use base64::Engine;
@@ -23,7 +23,7 @@ const MOST_NODES: u32 = 1 << 16;
 const MOST_BLOCK: u64 = 1 << 32;
 
 /// Loads a volume.
-pub(in super::super) fn load(bytes: &[u8]) -> Result<Noted, Problem> {
+pub(in super::super) fn load(bytes: &[u8]) -> Result<Volume, Problem> {
     let (text, appended) = split(bytes)?;
     let options = ParsingOptions {
         nodes_limit: MOST_NODES,
@@ -31,8 +31,7 @@ pub(in super::super) fn load(bytes: &[u8]) -> Result<Noted, Problem> {
     };
     let document = Document::parse_with_options(&text, options)
         .map_err(|error| anyhow!("VTI, XML: it is not understood: {error}; fetch it again"))?;
-    let file = VtiFile::read(document.root_element(), appended)?;
-    file.volume()
+    volume(document.root_element(), appended)
 }
 
 /// The XML without what is appended, and that.
@@ -66,17 +65,6 @@ fn rfind(bytes: &[u8], what: &[u8]) -> Option<usize> {
     bytes.windows(what.len()).rposition(|window| window == what)
 }
 
-/// What the elements say.
-struct VtiFile<'a> {
-    grid: Grid,
-    array: Node<'a, 'a>,
-    appended: Option<(&'a [u8], bool)>,
-    /// Of the counts before the data.
-    counts: Scalar,
-    packed: bool,
-    notes: Vec<String>,
-}
-
 /// A child element that must be there.
 fn child<'a>(parent: Node<'a, 'a>, name: &str) -> Result<Node<'a, 'a>, Problem> {
     parent
@@ -100,96 +88,87 @@ fn one_of<'a>(node: Node<'a, 'a>, name: &str, values: &[&'a str]) -> Result<&'a 
     }
 }
 
-impl<'a> VtiFile<'a> {
-    fn read(root: Node<'a, 'a>, appended: Option<&'a [u8]>) -> Result<VtiFile<'a>, Problem> {
-        ensure!(
-            root.has_tag_name("VTKFile") && root.attribute("type") == Some("ImageData"),
-            "VTI, VTKFile: it is no VTKFile of type ImageData; write a regular grid as .vti"
-        );
-        let endian = match one_of(root, "byte_order", &["LittleEndian", "BigEndian"])? {
-            "BigEndian" => Endian::Big,
-            _ => Endian::Little,
-        };
-        let counts = match one_of(root, "header_type", &["UInt32", "UInt64"])? {
-            "UInt64" => Scalar::U64,
-            _ => Scalar::U32,
-        };
-        let packed = !one_of(root, "compressor", &["", "vtkZLibDataCompressor"])?.is_empty();
-        let image = child(root, "ImageData")?;
-        let piece = child(image, "Piece")?;
-        let whole = extent(image, "WholeExtent")?;
-        ensure!(
-            extent(piece, "Extent")? == whole,
-            "VTI, Piece: it is not the whole extent; write the volume in one piece"
-        );
-        let mut notes = Vec::new();
-        let (array, corners) = chosen(piece, &mut notes)?;
-        let direction = image.attribute("Direction");
-        let is_turned = direction.is_some_and(|axes| super::numbers(axes) != Some(UNTURNED));
-        notes.extend(turned(is_turned));
-        let appended = match appended {
-            None => None,
-            Some(data) => {
-                let element = child(root, "AppendedData")?;
-                let raw = one_of(element, "encoding", &["base64", "raw"])? == "raw";
-                Some((data, raw))
+fn volume<'a>(root: Node<'a, 'a>, appended: Option<&[u8]>) -> Result<Volume, Problem> {
+    ensure!(
+        root.has_tag_name("VTKFile") && root.attribute("type") == Some("ImageData"),
+        "VTI, VTKFile: it is no VTKFile of type ImageData; write a regular grid as .vti"
+    );
+    let endian = match one_of(root, "byte_order", &["LittleEndian", "BigEndian"])? {
+        "BigEndian" => Endian::Big,
+        _ => Endian::Little,
+    };
+    let counts = match one_of(root, "header_type", &["UInt32", "UInt64"])? {
+        "UInt64" => Scalar::U64,
+        _ => Scalar::U32,
+    };
+    let packed = !one_of(root, "compressor", &["", "vtkZLibDataCompressor"])?.is_empty();
+    let image = child(root, "ImageData")?;
+    let piece = child(image, "Piece")?;
+    let whole = extent(image, "WholeExtent")?;
+    ensure!(
+        extent(piece, "Extent")? == whole,
+        "VTI, Piece: it is not the whole extent; write the volume in one piece"
+    );
+    let mut notes = Vec::new();
+    let (array, corners) = chosen(piece, &mut notes)?;
+    let direction = image.attribute("Direction");
+    let is_turned = direction.is_some_and(|axes| super::numbers(axes) != Some(UNTURNED));
+    notes.extend(turned(is_turned));
+    let grid = Grid {
+        sizes: sizes(whole, corners)?,
+        spacings: spacings(image)?,
+        kind: kind(array)?,
+        endian,
+    };
+    let needed = grid.bytes("WholeExtent")?;
+    let text = array.text().unwrap_or_default();
+    let encoding = VtiEncoding {
+        counts,
+        endian,
+        packed,
+    };
+    let stored = match one_of(array, "format", &["ascii", "binary", "appended"])? {
+        "binary" => encoding.encoded(text.trim().as_bytes(), needed)?,
+        "appended" => {
+            let missing = "VTI, AppendedData: it is missing; fetch the file again";
+            let data = appended_at(array, appended.context(missing)?)?;
+            match one_of(child(root, "AppendedData")?, "encoding", &["base64", "raw"])? {
+                "raw" => encoding.unpacked(data, needed, "appended data")?,
+                _ => encoding.encoded(data, needed)?,
             }
-        };
-        let grid = Grid {
-            sizes: sizes(whole, corners)?,
-            spacings: spacings(image)?,
-            kind: kind(array)?,
-            endian,
-        };
-        Ok(VtiFile {
-            grid,
-            array,
-            appended,
-            counts,
-            packed,
-            notes,
-        })
-    }
+        }
+        _ => {
+            let values = numbers(text, grid.count("WholeExtent")?)?;
+            return Ok(grid.volume(values, notes));
+        }
+    };
+    Ok(grid.volume(grid.decode(&stored)?, notes))
+}
 
-    fn volume(self) -> Result<Noted, Problem> {
-        let needed = self.grid.bytes("WholeExtent")?;
-        let format = one_of(self.array, "format", &["ascii", "binary", "appended"])?;
-        let text = || self.array.text().unwrap_or_default();
-        let values = match (format, self.appended) {
-            ("binary", _) => {
-                let stored = self.encoded(text().trim().as_bytes(), needed)?;
-                self.grid.decode(&stored)?
-            }
-            ("appended", Some((data, raw))) => {
-                let data = self.appended_at(data)?;
-                let stored = if raw {
-                    self.unpacked(data, needed, "appended data")?
-                } else {
-                    self.encoded(data, needed)?
-                };
-                self.grid.decode(&stored)?
-            }
-            ("appended", None) => bail!("VTI, AppendedData: it is missing; fetch the file again"),
-            _ => numbers(text(), self.grid.count("WholeExtent")?)?,
-        };
-        Ok((self.grid.volume(values), self.notes))
-    }
+fn appended_at<'a>(array: Node, data: &'a [u8]) -> Result<&'a [u8], Problem> {
+    let offset = array.attribute("offset").unwrap_or_default();
+    let place = offset.parse::<usize>().ok();
+    place.and_then(|place| data.get(place..)).with_context(|| {
+        format!(
+            "VTI, DataArray offset: '{}' beside {} bytes; fetch the file again",
+            shorten(offset),
+            data.len()
+        )
+    })
+}
 
-    fn appended_at(&self, data: &'a [u8]) -> Result<&'a [u8], Problem> {
-        let offset = self.array.attribute("offset").unwrap_or_default();
-        let place = offset.parse::<usize>().ok();
-        place.and_then(|place| data.get(place..)).with_context(|| {
-            format!(
-                "VTI, DataArray offset: '{}' beside {} bytes; fetch the file again",
-                shorten(offset),
-                data.len()
-            )
-        })
-    }
+/// How the bytes of arrays are stored.
+struct VtiEncoding {
+    /// Of the counts before the data.
+    counts: Scalar,
+    endian: Endian,
+    packed: bool,
+}
 
+impl VtiEncoding {
     fn count(&self, reader: &mut Reader, field: &str) -> Result<u64, Problem> {
         let stored = reader.take(self.counts.size(), field)?;
-        Ok(self.counts.decode(stored, self.grid.endian) as u64)
+        Ok(self.counts.decode(stored, self.endian) as u64)
     }
 
     /// Bytes in base64: counts and data in one run, or with a compressor in two. What follows belongs to other arrays.
