@@ -10,6 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use splatline_sim::cli;
 use splatline_sim::explore::answer;
+use splatline_sim::explore::evaluator::Evaluator;
 use splatline_sim::explore::fit;
 use splatline_sim::explore::limits::{Limit, limits_of_part, tightest};
 use splatline_sim::explore::space::Space;
@@ -291,12 +292,8 @@ impl Plan {
 }
 
 /// The frames of a question, with references where errors are asked for.
-pub fn subject<'a>(
-    frames: &'a [Arc<Prepared>],
-    errors: bool,
-    part: Option<&str>,
-) -> Result<Subject<'a>> {
-    let mut subject = Subject::new(frames.iter().map(|frame| &**frame).collect())?;
+pub fn subject(frames: Vec<Arc<Prepared>>, errors: bool, part: Option<&str>) -> Result<Subject> {
+    let mut subject = Subject::new(frames)?;
     let prices = prices(part)?;
     subject.calibration = prices.calibration;
     subject.energy = prices.energy;
@@ -327,10 +324,11 @@ pub fn fit_widths<'py>(
             !limits.is_empty() && limits.iter().all(|limit| limit.quantity.is_error()),
             "limits: give one or more of psnr_db, largest_error, rms_error, percentile99 and flip, and no others"
         );
-        let mut subject = subject(&frames, true, None)?;
-        subject.traversal = Some(frames[0].plan.entry.traversal);
-        let (fitted, error) = fit::fit(&subject, &limits, &|_| ())?;
-        fitted.with_context(|| fit::refusal(&subject.design.name, &limits, &error))
+        let mut subject = subject(frames, true, None)?;
+        subject.traversal = Some(subject.frames[0].plan.entry.traversal);
+        let mut evaluator = Evaluator::within(subject, &limits);
+        let (fitted, error) = fit::fit(&mut evaluator, &limits, &|_| ())?;
+        fitted.with_context(|| fit::refusal(&evaluator.subject.design.name, &limits, &error))
     });
     record(py, &raise(found)?)
 }
@@ -352,12 +350,14 @@ pub fn search_cheapest<'py>(
         let of_part = self::part(part)?.map(|(name, part)| limits_of_part(&name, &part));
         let limits = tightest([own, of_part.unwrap_or_default()].concat());
         let errors = limits.iter().any(|limit| limit.quantity.is_error());
-        let subject = subject(&frames, errors || frames.len() == 1, part)?;
+        let measured = errors || frames.len() == 1;
+        let subject = subject(frames, measured, part)?;
         let space = match space {
             Some(text) => Space::without_points("space", text)?,
             None => answer::usual_space(&subject.design, &subject.machine, errors)?,
         };
-        answer::optimize(&subject, &limits, &space, &|_| ())
+        let mut evaluator = Evaluator::within(subject, &limits);
+        answer::optimize(&mut evaluator, &limits, &space, &|_| ())
     });
     record(py, &raise(found)?)
 }

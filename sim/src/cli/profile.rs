@@ -49,7 +49,7 @@ pub fn run(options: &ProfileOptions) -> Result<()> {
     let mut answers = Vec::with_capacity(frames.len());
     let mut drawn = Drawn::default();
     for frame in frames {
-        answers.push(one(&frame.prepare(), options, &mut drawn)?);
+        answers.push(one(frame.prepare(), options, &mut drawn)?);
     }
     if let Some(path) = &options.html {
         if drawn.frames.is_empty() {
@@ -73,7 +73,7 @@ struct Drawn {
 }
 
 /// What one frame needs, which is also said.
-fn one(frame: &NamedFrame, options: &ProfileOptions, drawn: &mut Drawn) -> Result<FrameNeeds> {
+fn one(frame: NamedFrame, options: &ProfileOptions, drawn: &mut Drawn) -> Result<FrameNeeds> {
     let prepared = &frame.prepared;
     warn(&prepared.setup_warnings()?);
     let name = frame.name.as_str();
@@ -106,13 +106,12 @@ fn one(frame: &NamedFrame, options: &ProfileOptions, drawn: &mut Drawn) -> Resul
         }
     }
     print_result(&systems_text(&answer.systems))?;
-    let design = &prepared.plan.entry.design;
     match options.max_error {
         Some(budget) => {
-            let only = std::slice::from_ref(frame);
+            let design = prepared.plan.entry.design.clone();
             let limit = Limit::new(Quantity::LargestError, budget, "--max-error");
-            let fitted = fit::fitted(only, &[limit], &[])?;
-            print_result(&fit::text(design, &fitted))?;
+            let fitted = fit::fitted(vec![frame], &[limit], &[])?;
+            print_result(&fit::text(&design, &fitted))?;
             answer.fit = Some(fitted);
         }
         None => {

@@ -3,14 +3,15 @@
 use super::machine_args::SimulationOptions;
 use super::output::{Outputs, read_settings, write};
 use super::say::print_result;
-use super::search_args::SweepOptions;
+use super::search_args::{SweepOptions, draw_references};
+use crate::explore::evaluator::Evaluator;
 use crate::explore::folder::{self, Appender};
 use crate::explore::front::{candidates, front, front_table};
 use crate::explore::identity::{Identity, SettingsText};
 use crate::explore::plot;
 use crate::explore::space::Space;
 use crate::explore::sweep;
-use crate::explore::table::{ResultTable, heading};
+use crate::explore::table::ResultTable;
 use crate::machine::Config;
 use crate::machine::area::synthesis;
 use crate::progress::ProgressMeter;
@@ -31,18 +32,26 @@ pub fn run(options: &SweepOptions) -> Result<()> {
     let text = read_settings(file)?;
     let space = Space::from_toml(&file.display().to_string(), &text)?;
     let frames = search.request().frames()?;
-    let subject = search.subject(&frames, !options.no_error)?;
+    let name = match frames.len() {
+        1 => frames[0].prepared.scene.name().to_owned(),
+        all => format!("{all} frames, of which each point shows its slowest"),
+    };
+    let mut subject = search.subject(frames)?;
+    if !options.no_error {
+        draw_references(&mut subject)?;
+    }
     let identity = Identity::new(&subject, &text, &settings(search, &space)?)?;
     outputs.spare_inputs()?;
     folder::claim(output, &identity)?;
     let path = output.join(POINTS);
-    let (out, done) = Appender::resume(&path, &heading(&space), &identity)?;
+    let (out, done) = Appender::open(&path, &space)?;
 
     let (all, before) = (space.points.len(), done.rows.len());
     let progress = ProgressMeter::new(all.saturating_sub(before));
     progress.doing(format!("{all} points"));
     let started = Instant::now();
-    sweep::run(&subject, &space, &done, &out, &|| progress.advance())?;
+    let evaluator = Evaluator::new(subject, true);
+    sweep::run(&evaluator, &space, &done, &out, &|| progress.advance())?;
     drop(progress);
     let seconds = started.elapsed().as_secs_f64();
     print_result(&format!(
@@ -52,14 +61,10 @@ pub fn run(options: &SweepOptions) -> Result<()> {
     ))?;
     let note = format!(
         "{}{}",
-        synthesis::statement(&subject.calibration),
-        clock_note(&subject.machine, &space)
+        synthesis::statement(&evaluator.subject.calibration),
+        clock_note(&evaluator.subject.machine, &space)
     );
-    let table = folder::table(&path, &identity)?;
-    let name = match frames.len() {
-        1 => frames[0].prepared.scene.name().to_owned(),
-        all => format!("{all} frames, of which each point shows its slowest"),
-    };
+    let table = folder::table(&path, &space)?;
     finish(&name, &note, &table, output)
 }
 

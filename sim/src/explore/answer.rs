@@ -174,15 +174,14 @@ fn score(limits: &[Limit], reached: &Reached) -> Score {
 /// Refuses what no machine of the space can hold, without a drawing or a simulation; nothing if bounds do not rule it
 /// out.
 pub fn refusal(
-    subject: &Subject,
+    evaluator: &Evaluator,
     limits: &[Limit],
     space: &Space,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Option<Answer>> {
-    let evaluator = Evaluator::new(subject, false);
-    let all = subject.frames.len();
+    let all = evaluator.subject.frames.len();
     let few = (0..all.min(FEW_FRAMES)).collect();
-    let search = Search::new(&evaluator, space, limits, few, progress);
+    let search = Search::new(evaluator, space, limits, few, progress);
     progress("bounds by area and counts alone");
     let ruled_out = ruled_out(&search)?;
     let refused = || refused(&search, ruled_out.clone(), all);
@@ -223,21 +222,19 @@ fn out_of_every_width(search: &mut Search, at: &[usize]) -> Result<Vec<RuledOut>
 
 /// Searches the space and answers. `progress` is given what is being done.
 pub fn optimize(
-    subject: &Subject,
+    evaluator: &mut Evaluator,
     limits: &[Limit],
     space: &Space,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Answer> {
-    let detail = limits.iter().any(|limit| limit.quantity.is_detail());
-    let mut evaluator = Evaluator::new(subject, detail);
-    let all: Vec<usize> = (0..subject.frames.len()).collect();
+    let all: Vec<usize> = (0..evaluator.subject.frames.len()).collect();
     let mut searched = if all.len() > FEW_FRAMES {
-        heaviest(&evaluator, space)?
+        heaviest(evaluator, space)?
     } else {
         all.clone()
     };
     loop {
-        let mut search = Search::new(&evaluator, space, limits, searched.clone(), progress);
+        let mut search = Search::new(evaluator, space, limits, searched.clone(), progress);
         let at = widest_if_needed(&mut search)?;
         let ruled_out = out_of_every_width(&mut search, &at)?;
         if !ruled_out.is_empty() {
@@ -250,10 +247,10 @@ pub fn optimize(
             Ok(mut answer) => {
                 answer.frames = [searched.len(), all.len()];
                 answer.fixed_lanes = search.drawn_lanes();
-                if !subject.formats.is_empty() {
+                if !evaluator.subject.formats.is_empty() {
                     let first = answer.found.first().context("the first point was found")?;
                     answer.formats = formats::beside_point(
-                        &mut evaluator,
+                        evaluator,
                         (space, limits),
                         (&searched, &first.point),
                         &|reached| score(limits, reached),
@@ -268,7 +265,7 @@ pub fn optimize(
 
 /// The frames that take the most cycles where the search starts.
 fn heaviest(evaluator: &Evaluator, space: &Space) -> Result<Point> {
-    let subject = evaluator.subject;
+    let subject = &evaluator.subject;
     let at = Choice::possible(subject.choice(space, &start(subject, space)))?;
     let mut order: Vec<usize> = (0..subject.frames.len()).collect();
     if let Some(at) = at {
@@ -285,7 +282,7 @@ type BestPoint = (Point, Vec<Option<f64>>);
 /// Where the search starts; with all widths at their widest if the design that is given misses a limit on errors.
 fn widest_if_needed(search: &mut Search) -> Result<Point> {
     let space = search.space;
-    let mut at = start(search.evaluator.subject, space);
+    let mut at = start(&search.evaluator.subject, space);
     if search.has_error_limit() && search.error_excess(&at)? > 0.0 {
         let (widths, _) = search.split_axes();
         for axis in widths {

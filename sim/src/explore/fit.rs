@@ -11,7 +11,6 @@ use super::formats::{FormatRow, beside_design};
 use super::limits::Limit;
 use super::search::Search;
 use super::space::Space;
-use super::subject::Subject;
 use crate::design::ResolvedDesign;
 use anyhow::{Context, Result};
 use serde::Serialize;
@@ -42,12 +41,12 @@ pub struct Fit {
 /// Fits a design, starting from the subject's. Nothing if that itself misses a limit; then its error is the second
 /// part.
 pub fn fit(
-    subject: &Subject,
+    evaluator: &mut Evaluator,
     limits: &[Limit],
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<(Option<Fit>, DesignError)> {
     let mut text = "[design]\n".to_owned();
-    let widths = subject.design.widths;
+    let widths = evaluator.subject.design.widths;
     for (&(name, mut low, _), bits) in WIDTH_RANGES.iter().zip(widths.numbers()) {
         if name == "radial" {
             // Lower, the table that it begins with is refused.
@@ -56,10 +55,8 @@ pub fn fit(
         text += &format!("{name} = {{ from = {low}, to = {bits} }}\n");
     }
     let space = Space::without_points("the design's widths", &text)?;
-    let detail = limits.iter().any(|limit| limit.quantity.is_detail());
-    let mut evaluator = Evaluator::new(subject, detail);
-    let frames = (0..subject.frames.len()).collect();
-    let mut search = Search::new(&evaluator, &space, limits, frames, progress);
+    let frames = (0..evaluator.subject.frames.len()).collect();
+    let mut search = Search::new(evaluator, &space, limits, frames, progress);
 
     let last = space.axes.iter().map(|axis| axis.values.len() - 1);
     let start: Vec<usize> = last.collect();
@@ -95,9 +92,9 @@ pub fn fit(
     let binding = binding.map(|(name, _)| *name);
     let fitted = search.choice(&point)?.variant;
     let drawings = search.designs();
-    let formats = match subject.formats[..] {
+    let formats = match evaluator.subject.formats[..] {
         [] => Vec::new(),
-        _ => beside_design(&mut evaluator, &fitted, limits)?,
+        _ => beside_design(evaluator, &fitted, limits)?,
     };
     let mut design = fitted.design;
     design.traversal = fitted.traversal;
@@ -145,14 +142,15 @@ mod tests {
 
     #[test]
     fn a_fitted_design_is_within_the_budget_and_minimal() {
-        let subject = subject(&[1.0]);
+        let mut evaluator = Evaluator::new(subject(&[1.0]), false);
         let limit = |bound| [Limit::new(Quantity::RmsError, bound, "test")];
-        let (fitted, _) = fit(&subject, &limit(1e-3), &|_| ()).unwrap();
+        let (fitted, _) = fit(&mut evaluator, &limit(1e-3), &|_| ()).unwrap();
         let fitted = fitted.unwrap();
         assert!(fitted.error.rms <= 1e-3);
         let mut less = fitted.one_bit_less.values();
         assert!(less.all(|error| error.rms > 1e-3), "{fitted:?}");
         assert!(fitted.widths["mantissa"] < 24 && fitted.binding.is_some());
-        assert_eq!(fit(&subject, &limit(0.0), &|_| ()).unwrap().0, None);
+        let refused = fit(&mut evaluator, &limit(0.0), &|_| ()).unwrap();
+        assert_eq!(refused.0, None);
     }
 }

@@ -62,7 +62,7 @@ fn row(
     error: Option<DesignError>,
     limits: &[Limit],
 ) -> FormatRow {
-    let (subject, lane) = (evaluator.subject, evaluator.lane());
+    let (subject, lane) = (&evaluator.subject, evaluator.lane());
     let prices = &subject.calibration;
     let units = match &lane {
         Some(lane) => lane.units(prices.family),
@@ -87,9 +87,9 @@ fn rows(
     row: impl Fn(&Evaluator, &[usize]) -> Result<FormatRow>,
 ) -> Result<Vec<FormatRow>> {
     let all: Vec<usize> = (0..evaluator.subject.frames.len()).collect();
-    let formats = evaluator.subject.formats.iter().copied().map(Some);
+    let formats = evaluator.subject.formats.clone();
     let mut rows = Vec::new();
-    for format in std::iter::once(None).chain(formats) {
+    for format in std::iter::once(None).chain(formats.into_iter().map(Some)) {
         evaluator.draw_in(format);
         rows.push(row(evaluator, &all)?);
     }

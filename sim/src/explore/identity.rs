@@ -6,12 +6,10 @@
 //! camera, rules, design, machine and prices by all their values. Results may share a table only if all of it is equal,
 //! and where it is not, the message says what differs.
 
-use super::space::Space;
 use super::subject::Subject;
 use crate::design::traversal_name;
 use crate::difference::{Difference, differences};
 use crate::digest::Digest;
-use crate::input::Refused;
 use crate::machine::area::synthesis;
 use crate::machine::config;
 use crate::plan::{Prepared, Subject as Drawn};
@@ -83,17 +81,6 @@ impl Identity {
     /// The text of a `sweep.json`.
     pub fn to_text(&self) -> String {
         format!("{:#}\n", self.0)
-    }
-
-    /// The space that its tables must fill.
-    pub fn space(&self) -> Result<Space, Refused> {
-        let text = self.0.get("space").and_then(Value::as_str);
-        Space::from_toml("space in sweep.json", text.unwrap_or_default())
-    }
-
-    /// Do its tables hold errors?
-    pub fn has_errors(&self) -> bool {
-        self.0.get("errors").and_then(Value::as_bool) == Some(true)
     }
 
     /// Where `known` and this one differ, one line each; empty if they are the same sweep.

@@ -15,6 +15,7 @@ use crate::scene::points::synthetic::{Paint, sphere};
 use crate::scene::{points, synthetic};
 use proptest::prelude::*;
 use splatline::format::{Traversal, WIDTH_RANGES};
+use std::sync::Arc;
 
 const SPACE: &str = "[machine]\nlanes = [1, 2]\n";
 
@@ -73,7 +74,7 @@ impl Facts {
             calibration: self.calibration.clone(),
             energy: self.energy.clone(),
             references: self.errors.then_some(picture).into_iter().collect(),
-            ..Subject::new(vec![&prepared]).unwrap()
+            ..Subject::new(vec![Arc::new(prepared)]).unwrap()
         };
         Identity::new(&subject, &self.space, &self.settings).unwrap()
     }

@@ -82,7 +82,7 @@ fn best_of(search: &Search, limits: &[Limit]) -> Result<Reached> {
 }
 
 fn best_by(bounds: &mut Search, judge: super::search::Judge) -> Result<Reached> {
-    let mut at = start(bounds.evaluator.subject, bounds.space);
+    let mut at = start(&bounds.evaluator.subject, bounds.space);
     let (widths, _) = bounds.split_axes();
     // The narrowest design is the smallest; what it is worth is not asked here.
     for axis in widths {

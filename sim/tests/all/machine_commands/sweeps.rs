@@ -165,7 +165,11 @@ fn an_altered_sweep_is_not_resumed() {
         "\n2,4,",
         "row_fifo is '4', in the space it is '3'",
     );
-    altered("\n2,3,", "\n2,3,NaN", "psnr_db is 'NaN");
+    altered(
+        "\n2,3,",
+        "\n2,3,NaN",
+        "point 2: row_digest is not that of its fields",
+    );
     let row = sound.lines().nth(1).unwrap();
     altered(row, &format!("{row}\n{row}"), "a second time");
 }
