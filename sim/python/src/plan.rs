@@ -16,7 +16,7 @@ use splatline_sim::explore::limits::{Limit, limits_of_part, tightest};
 use splatline_sim::explore::space::Space;
 use splatline_sim::explore::subject::Subject;
 use splatline_sim::machine::energy::EnergyTable;
-use splatline_sim::machine::parts::{Part, Parts};
+use splatline_sim::machine::parts::Parts;
 use splatline_sim::machine::record::{CostedMachine, Prices};
 use splatline_sim::plan::FootprintLine;
 use splatline_sim::plan::measure::{count_of_threads_or_runs, draw_alone};
@@ -71,19 +71,11 @@ impl Plan {
     }
 }
 
-/// A part by its name, if one is named.
-pub fn part(name: Option<&str>) -> Result<Option<(String, Part)>> {
-    let found = |name: &str| -> Result<_> {
-        let parts = Parts::default();
-        let part = parts.find(name).map_err(anyhow::Error::msg)?;
-        Ok((name.to_owned(), part.clone()))
-    };
-    name.map(found).transpose()
-}
-
-/// Prices of area and energy on a part.
+/// Prices of area and energy, on a part if one is named.
 pub fn prices(name: Option<&str>) -> Result<Prices> {
-    let part = part(name)?;
+    let parts = Parts::default();
+    let found = |name: &str| parts.find(name).map(|part| (name.to_owned(), part.clone()));
+    let part = name.map(found).transpose().map_err(anyhow::Error::msg)?;
     let family = part.as_ref().map(|(_, part)| part.family);
     Ok(Prices {
         calibration: family.unwrap_or_default().calibration(),
@@ -347,7 +339,8 @@ pub fn search_cheapest<'py>(
     let frames = frames(&plans);
     let own = limits(limit)?;
     let found = py.detach(|| {
-        let of_part = self::part(part)?.map(|(name, part)| limits_of_part(&name, &part));
+        let of_part = prices(part)?.part;
+        let of_part = of_part.map(|(name, part)| limits_of_part(&name, &part));
         let limits = tightest([own, of_part.unwrap_or_default()].concat());
         let errors = limits.iter().any(|limit| limit.quantity.is_error());
         let measured = errors || frames.len() == 1;

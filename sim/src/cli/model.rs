@@ -7,9 +7,7 @@
 use super::machine_args::ModelOptions;
 use super::order_reuse::{self, OrderReuse, ReusedOrderFrame};
 use super::output::{self, Outputs, write, write_json};
-use super::resolve::{
-    NamedFrame, PlannedFrame, calibration, energy_table, machine, part, refuse_kept_order,
-};
+use super::resolve::{NamedFrame, PlannedFrame, energy_table, machine, prices, refuse_kept_order};
 use super::say::{print_result, usage, warn};
 use crate::design::DesignChoice;
 use crate::machine::clock::Throughput;
@@ -91,13 +89,8 @@ pub fn run(options: &ModelOptions) -> Result<()> {
     if options.machines {
         return others_beside_ours(options, &outputs);
     }
-    let (simulation, area) = (&options.simulation, &options.simulation.area);
-    let named = area.part.clone().unwrap_or_default();
-    let prices = Prices {
-        calibration: calibration(area)?,
-        part: part(area)?.map(|part| (named, part)),
-        energy: energy_table(simulation.energy.as_ref())?,
-    };
+    let simulation = &options.simulation;
+    let prices = prices(simulation)?;
     if let Some(table) = &options.footprints {
         let modelled = from_table(table, options)?;
         outputs.spare_inputs()?;

@@ -1,7 +1,7 @@
 //! `splatline optimize`: the cheapest design and machine that hold them.
 
 use super::output::{Outputs, settings, write, write_json};
-use super::resolve::{NamedFrame, part};
+use super::resolve::{NamedFrame, prices};
 use super::say::print_result;
 use super::search_args::{OptimizeOptions, draw_references, limits_given};
 use crate::explore::answer::{self, Answer, usual_space};
@@ -110,9 +110,8 @@ fn limits(options: &OptimizeOptions) -> Result<Vec<Limit>> {
             "--max-energy",
         ),
     ]));
-    let area = &options.search.area;
-    if let (Some(name), Some(part)) = (&area.part, part(area)?) {
-        let mut of_part = limits_of_part(name, &part);
+    if let Some((name, part)) = prices(&options.search)?.part {
+        let mut of_part = limits_of_part(&name, &part);
         // Who names a bandwidth has another memory on the board.
         of_part.retain(|limit| bandwidth.is_none() || limit.quantity != Quantity::BytesPerSecond);
         limits.extend(of_part);

@@ -8,7 +8,7 @@ mod machine;
 mod technique;
 
 pub use camera::{pose_of, sound_camera};
-pub use machine::{calibration, energy_table, machine, part, refuse_kept_order};
+pub use machine::{energy_table, machine, prices, refuse_kept_order};
 
 use super::drawing_args::{DrawingOptions, FrameOptions, TechniqueOptions, WorkOptions};
 use super::machine_args::MachineOptions;

@@ -2,9 +2,7 @@
 
 use super::drawing_args::FrameOptions;
 use super::machine_args::{MachineOptions, SimulationOptions};
-use super::resolve::{
-    COMPARED, HELD_PIXEL_BYTES, NamedFrame, calibration, energy_table, room_for_picture,
-};
+use super::resolve::{COMPARED, HELD_PIXEL_BYTES, NamedFrame, prices, room_for_picture};
 use super::say::warn;
 use super::values::{METRICS, format, one_of, positive};
 use super::view_args::of_units;
@@ -31,8 +29,8 @@ impl SimulationOptions {
         let recorded = subject.frames[0].plan.entry.traversal;
         let recorded = self.frames.view.from.as_ref().map(|_| recorded);
         subject.traversal = self.frames.work.traversal.map(Traversal::from).or(recorded);
-        subject.calibration = calibration(&self.area)?;
-        subject.energy = energy_table(self.energy.as_ref())?;
+        let prices = prices(self)?;
+        (subject.calibration, subject.energy) = (prices.calibration, prices.energy);
         Ok(subject)
     }
 }
