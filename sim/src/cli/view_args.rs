@@ -114,19 +114,6 @@ impl PathOptions {
     }
 }
 
-/// Options of what the machine has no units for.
-const BEYOND_UNITS: [&str; 9] = [
-    "points",
-    "phase_bits",
-    "sheets",
-    "sheet_thickness",
-    "deep_alpha",
-    "alpha_bits",
-    "alpha_rounding",
-    "spheres",
-    "sphere_index",
-];
-
 /// Options of surfaces.
 const OF_SURFACES: [&str; 6] = [
     "layers",
@@ -137,16 +124,16 @@ const OF_SURFACES: [&str; 6] = [
     "depth_image_from",
 ];
 
-/// The help of what draws splats one by one does not list what it always refuses.
+/// The help of what draws splats one by one does not list the techniques that it always refuses.
 pub fn of_units(arg: Arg) -> Arg {
-    let is_beyond = BEYOND_UNITS.contains(&arg.get_id().as_str());
-    arg.hide(is_beyond)
+    let is_technique = arg.get_help_heading() == Some("Techniques");
+    let makes_points = ["flatten", "depth_image_from"].contains(&arg.get_id().as_str());
+    arg.hide(is_technique && !makes_points)
 }
 
-/// The same of what draws volume splats alone.
+/// That of what draws volume splats alone has no options of surfaces.
 pub fn of_volumes(arg: Arg) -> Arg {
-    let id = arg.get_id().as_str();
-    let is_beyond = BEYOND_UNITS.contains(&id) || OF_SURFACES.contains(&id);
+    let is_beyond = OF_SURFACES.contains(&arg.get_id().as_str());
     arg.hide(is_beyond)
 }
 

@@ -11,7 +11,7 @@
 use super::evaluator::{Evaluator, Reached};
 use super::formats::{self, FormatRow};
 use super::limits::{Limit, are_held, missed};
-use super::refusal::{RuledOut, ruled_out};
+use super::refusal::{RuledOut, failing, ruled_out};
 use super::search::{Score, Search, compare};
 use super::space::{Point, Space, SpaceAxis, SpacePart};
 use super::subject::{Choice, Subject};
@@ -184,8 +184,10 @@ pub fn refusal(
     let search = Search::new(evaluator, space, limits, few, progress);
     progress("bounds by area and counts alone");
     let ruled_out = ruled_out(&search)?;
-    let refused = || refused(&search, ruled_out.clone(), all);
-    Ok((!ruled_out.is_empty()).then(refused))
+    if ruled_out.is_empty() {
+        return Ok(None);
+    }
+    Ok(Some(refused(&search, ruled_out, all)))
 }
 
 fn refused(search: &Search, ruled_out: Vec<RuledOut>, frames: usize) -> Answer {
@@ -206,18 +208,12 @@ fn out_of_every_width(search: &mut Search, at: &[usize]) -> Result<Vec<RuledOut>
     if of_design > search.split_axes().0.len() {
         return Ok(Vec::new());
     }
-    let error = search.error(at)?;
-    let limits = search.limits.iter();
-    let errors = limits.filter(|limit| limit.quantity.is_error());
-    let of = |limit: &Limit| {
-        let best = limit.quantity.of_error(error.as_ref()?)?;
-        (limit.excess(best) > 0.0).then(|| RuledOut {
-            limit: limit.clone(),
-            best,
-            with: Vec::new(),
-        })
+    let Some(error) = search.error(at)? else {
+        return Ok(Vec::new());
     };
-    Ok(errors.filter_map(of).collect())
+    let limits = search.limits.iter();
+    let of = |limit: &Limit| failing(limit, limit.quantity.of_error(&error), 0.0, &[]);
+    Ok(limits.filter_map(of).collect())
 }
 
 /// Searches the space and answers. `progress` is given what is being done.

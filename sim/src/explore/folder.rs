@@ -14,6 +14,8 @@ use std::sync::Mutex;
 
 /// The file of a folder's identity.
 const IDENTITY: &str = "sweep.json";
+/// Differences of two sweeps that a message lists at most.
+const FEW: usize = 6;
 
 /// Makes sure that the folder holds this sweep or none: results of different sweeps never share a table.
 pub fn claim(folder: &Path, identity: &Identity) -> Result<()> {
@@ -32,15 +34,19 @@ pub fn claim(folder: &Path, identity: &Identity) -> Result<()> {
         return Ok(());
     }
     let known = Identity::parse(&text).with_context(|| shown.clone())?;
-    if identity.differences(&known).is_empty() {
-        Ok(())
-    } else {
-        bail!(
-            "'{}' holds another sweep ({shown}): choose another folder with -o. It differs in{}",
-            folder.display(),
-            identity.difference_text(&known)
-        )
+    let mut differences = identity.differences(&known);
+    if differences.is_empty() {
+        return Ok(());
     }
+    if let Some(more @ 1..) = differences.len().checked_sub(FEW) {
+        differences.truncate(FEW);
+        differences.push(format!("and {more} more"));
+    }
+    bail!(
+        "'{}' holds another sweep ({shown}): choose another folder with -o. It differs in\n  {}",
+        folder.display(),
+        differences.join("\n  ")
+    )
 }
 
 /// Reads a table and checks it against its space.
