@@ -10,20 +10,6 @@ fn scene_file(name: &str) -> PathBuf {
 }
 
 #[test]
-fn help_and_version_succeed_on_stdout() {
-    let shell = Shell::new();
-    for line in [
-        "--help",
-        "render --help",
-        "compare --help",
-        "footprints --help",
-        "--version",
-    ] {
-        assert!(!shell.results(line).is_empty(), "{line}");
-    }
-}
-
-#[test]
 fn bad_usage_is_exit_code_2_on_stderr() {
     let shell = Shell::new();
     let mut lines: Vec<String> = [
@@ -76,15 +62,6 @@ fn bad_usage_is_exit_code_2_on_stderr() {
             "{line}"
         );
     }
-}
-
-#[test]
-fn bad_input_is_exit_code_1_and_names_the_file() {
-    let shell = Shell::new();
-    let said = shell.run("render missing.ply -o a.png --eye -1,2,3 --target 0,0,0");
-    assert_eq!(said.code, Some(1), "{}", said.stderr);
-    assert!(said.stderr.contains("missing.ply"));
-    assert!(said.stdout.is_empty() && !shell.has("a.png"));
 }
 
 /// Every command that prints, with little work: what cannot be printed must not look printed.
