@@ -24,11 +24,11 @@ pub fn run(options: &FitOptions) -> Result<()> {
     let limits = limits_given(options.errors.asked(options.metric));
     let (count, design) = (frames.len(), frames[0].prepared.plan.entry.design.clone());
     let fitted = fitted(frames, &limits, &options.formats.formats)?;
-    print_result(&text(&design, &fitted))?;
-    print_result(&formats::text(&fitted.formats))?;
+    let mut told = text(&design, &fitted) + &formats::text(&fitted.formats);
     if count > 1 {
-        print_result(&format!("over {count} frames\n"))?;
+        told += &format!("over {count} frames\n");
     }
+    print_result(&told)?;
     if let Some(path) = &options.output {
         write(path, fitted.design.to_toml())?;
     }

@@ -52,18 +52,14 @@ pub fn run(options: &OptimizeOptions) -> Result<()> {
         }
     };
     drop(progress);
-    print_result(&format!(
-        "{shown}: {:.1} s\n",
-        started.elapsed().as_secs_f64()
-    ))?;
-    print_result(&answer.text())?;
     let subject = &evaluator.subject;
     let note = synthesis::statement_of(&subject.calibration, &subject.machine);
     let clock = answer.found.first().map(|found| &found.reached.pace.clock);
     let of = clock.map_or(String::new(), |clock| {
         format!("  {} MHz: {}\n", clock.mhz, clock.of)
     });
-    print_result(&format!("{of}  {note}\n"))?;
+    let (seconds, text) = (started.elapsed().as_secs_f64(), answer.text());
+    print_result(&format!("{shown}: {seconds:.1} s\n{text}{of}  {note}\n"))?;
     if let Some(folder) = &options.output {
         let progress = ProgressMeter::spinner("simulating what a change of each setting would do");
         let detail = detail(&evaluator, &limits, &space, &answer)?;
@@ -77,19 +73,11 @@ pub fn run(options: &OptimizeOptions) -> Result<()> {
 
 /// The frames by their names and their size.
 fn title(frames: &[NamedFrame]) -> String {
-    let names: Vec<&str> = frames
-        .iter()
-        .map(|frame| frame.name.as_str())
-        .take(3)
-        .collect();
+    let names = frames.iter().map(|frame| frame.name.as_str()).take(3);
+    let names = names.collect::<Vec<_>>().join(", ");
     let more = if frames.len() > 3 { ", ..." } else { "" };
     let camera = &frames[0].prepared.plan.camera;
-    format!(
-        "{}{more} at {}x{}",
-        names.join(", "),
-        camera.width,
-        camera.height
-    )
+    format!("{names}{more} at {}x{}", camera.width, camera.height)
 }
 
 /// The options' limits and the part's.

@@ -25,6 +25,9 @@ const POINTS: &str = "points.csv";
 /// What a folder holds.
 const FILES: [&str; 4] = ["sweep.json", POINTS, "front.csv", "front.html"];
 
+/// Points of the front that are printed at most.
+const FEW_POINTS: usize = 12;
+
 /// Every point of the space.
 pub fn run(options: &SweepOptions) -> Result<()> {
     let (search, file, output) = (&options.search, &options.space, &options.output);
@@ -82,38 +85,31 @@ fn clock_note(machine: &Config, space: &Space) -> &'static str {
 fn finish(name: &str, note: &str, table: &ResultTable, folder: &Path) -> Result<()> {
     let all = candidates(table);
     let kept = front(&all);
-    write(
-        &folder.join("front.csv"),
-        front_table(table, &kept).to_csv(),
-    )?;
+    let file = folder.join("front.csv");
+    write(&file, front_table(table, &kept).to_csv())?;
     let title = format!("Speed, error and area: {name}");
-    write(
-        &folder.join("front.html"),
-        plot::page(&title, note, table, &all),
-    )?;
+    let page = plot::page(&title, note, table, &all);
+    write(&folder.join("front.html"), page)?;
+    let mut text = String::new();
     let left_out: Vec<&str> = table.left_out().collect();
     if let Some(reason) = left_out.first() {
         let count = left_out.len();
-        print_result(&format!(
+        text += &format!(
             "{count} of the points left out, why in the column left_out, the first because of {reason}\n"
-        ))?;
+        );
     }
-    print_result(&format!("{note}\n"))?;
-    print_result(&format!(
-        "front of error, cycles, area and energy: {} of {} points\n",
+    text += &format!(
+        "{note}\nfront of error, cycles, area and energy: {} of {} points\n",
         kept.len(),
         all.len()
-    ))?;
-    for candidate in kept.iter().take(12) {
-        print_result(&format!("  {}\n", candidate.label))?;
+    );
+    for candidate in kept.iter().take(FEW_POINTS) {
+        text += &format!("  {}\n", candidate.label);
     }
-    if kept.len() > 12 {
-        print_result(&format!(
-            "  ... all of them in {}\n",
-            folder.join("front.csv").display()
-        ))?;
+    if kept.len() > FEW_POINTS {
+        text += &format!("  ... all of them in {}\n", file.display());
     }
-    Ok(())
+    print_result(&text)
 }
 
 /// The texts of all settings files that take part: whatever they say, another text is another sweep.
