@@ -54,7 +54,7 @@ pub fn text(start: &DesignChoice, fit: &Fit) -> String {
         let (p99, flip) = (detail.percentiles.p99, detail.flip);
         format!(", 99 % within {p99:.3e}, FLIP {flip:.3e}")
     });
-    let (drawings, binding) = (fit.drawings, fit.binding.unwrap_or("none"));
+    let (drawings, binding) = (fit.drawings, fit.binding.as_deref().unwrap_or("none"));
     let mut text = format!(
         "largest error {:.3e}, rms {:.3e}, bias {:+.2e}{seen} after {drawings} drawings; binding width: {binding}\n\
          width          start   fit   with one bit less: largest, rms, bias\n",
@@ -62,7 +62,7 @@ pub fn text(start: &DesignChoice, fit: &Fit) -> String {
     );
     let worse = |e: &DesignError| format!("{:.3e}, {:.3e}, {:+.2e}", e.max_abs, e.rms, e.bias);
     for ((name, ..), before) in WIDTH_RANGES.iter().zip(start.widths.numbers()) {
-        let less = fit.one_bit_less.get(name).map(worse);
+        let less = fit.one_bit_less.get(*name).map(worse);
         let (bits, less) = (fit.widths[name], less.unwrap_or("at its limit".to_owned()));
         text += &format!("{name:<14} {before:>5} {bits:>5}   {less}\n");
     }

@@ -66,17 +66,6 @@ pub struct Standing {
     pub missed_alone: Option<f64>,
 }
 
-/// A machine that was simulated on the way.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LookedAt {
-    /// All resources, in look-up tables.
-    pub cost: f64,
-    /// Pictures a second.
-    pub frames_per_s: f64,
-    /// Does it hold all limits?
-    pub holds: bool,
-}
-
 /// The answer.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Answer {
@@ -94,9 +83,9 @@ pub struct Answer {
     pub frames: [usize; 2],
     /// What no machine of the space can hold, by bounds alone; then nothing was searched.
     pub ruled_out: Vec<RuledOut>,
-    /// Every machine that was simulated.
+    /// What every machine reached that was simulated.
     #[serde(skip)]
-    pub looked_at: Vec<LookedAt>,
+    pub looked_at: Vec<Reached>,
     /// Were widths searched, or was the design kept because no limit was on the error?
     pub searched_designs: bool,
     /// Floating-point formats beside the first point, if they were asked for.
@@ -383,17 +372,12 @@ fn answered(
             missed_alone: missed_alone[place],
         }
     };
-    let looked_at = |reached: &Reached| LookedAt {
-        cost: reached.cost(),
-        frames_per_s: reached.pace.frames_per_s,
-        holds: are_held(limits, reached),
-    };
     let answer = Answer {
         holds,
         standings: limits.iter().enumerate().map(standing).collect(),
         points: search.known.values().flatten().count(),
         designs: search.designs(),
-        looked_at: search.known.values().flatten().map(looked_at).collect(),
+        looked_at: search.known.values().flatten().cloned().collect(),
         searched_designs: !search.split_axes().0.is_empty(),
         found,
         ..Answer::default()

@@ -91,8 +91,9 @@ fn knobs(
         let Some(place) = place_of(axis, &choice.variant.design, &choice.machine) else {
             continue;
         };
-        let steps = [place.checked_sub(1), place.checked_add(1)];
-        let steps = steps.into_iter().flatten();
+        let steps = [place.checked_sub(1), Some(place + 1)]
+            .into_iter()
+            .flatten();
         for to in steps.filter_map(|to| axis.values.get(to)) {
             let mut machine = choice.machine;
             machine.set("space", &axis.key, to)?;

@@ -92,13 +92,8 @@ type DesignKey = ([u8; 13], u8, &'static str);
 type WorkKey = (DesignKey, [u16; 2]);
 
 fn design_key(variant: &DesignVariant) -> DesignKey {
-    let widths = &variant.design.widths;
-    let rounding = widths.rounding as u8;
-    (
-        widths.numbers(),
-        rounding,
-        traversal_name(variant.traversal),
-    )
+    let (widths, traversal) = (&variant.design.widths, traversal_name(variant.traversal));
+    (widths.numbers(), widths.rounding as u8, traversal)
 }
 
 /// What a choice's rows depend on, in an order in which equal ones are neighbours.
@@ -401,8 +396,7 @@ impl Evaluator {
             area: self.area(choice),
             millijoules: costs
                 .iter()
-                .map(|cost| cost.millijoules)
-                .fold(0.0, f64::max),
+                .fold(0.0, |most, cost| cost.millijoules.max(most)),
             slowest,
             frames: costs.len(),
         }

@@ -28,9 +28,9 @@ pub struct Fit {
     /// Its errors.
     pub error: DesignError,
     /// Errors with one bit less in one width; a width at its lower limit is left out.
-    pub one_bit_less: BTreeMap<&'static str, DesignError>,
+    pub one_bit_less: BTreeMap<String, DesignError>,
     /// The width whose last bit matters most for the limits.
-    pub binding: Option<&'static str>,
+    pub binding: Option<String>,
     /// Designs drawn.
     pub drawings: usize,
     /// Floating-point formats beside it, if they were asked for.
@@ -78,18 +78,16 @@ pub fn fit(
     let point = search.lower_widths(start, &axes, false)?;
     let error = errors(&mut search, &point)?;
     let mut one_bit_less = BTreeMap::new();
-    for (name, ..) in WIDTH_RANGES {
-        let axis = space.axes.iter().position(|axis| axis.key == name);
-        let Some(axis) = axis.filter(|axis| point[*axis] > 0) else {
-            continue;
-        };
+    for (place, axis) in space.axes.iter().enumerate() {
         let mut less = point.clone();
-        less[axis] -= 1;
-        one_bit_less.insert(name, errors(&mut search, &less)?);
+        if less[place] > 0 {
+            less[place] -= 1;
+            one_bit_less.insert(axis.key.clone(), errors(&mut search, &less)?);
+        }
     }
     let less = one_bit_less.iter();
     let binding = less.max_by(|a, b| excess(a.1).total_cmp(&excess(b.1)));
-    let binding = binding.map(|(name, _)| *name);
+    let binding = binding.map(|(name, _)| name.clone());
     let fitted = search.choice(&point)?.variant;
     let drawings = search.designs();
     let formats = match evaluator.subject.formats[..] {

@@ -90,15 +90,10 @@ impl<'a> Search<'a> {
     where
         'a: 'b,
     {
+        let frames = self.frames.clone();
         Search {
             by_bounds: true,
-            ..Search::new(
-                self.evaluator,
-                self.space,
-                limits,
-                self.frames.clone(),
-                self.progress,
-            )
+            ..Search::new(self.evaluator, self.space, limits, frames, self.progress)
         }
     }
 
