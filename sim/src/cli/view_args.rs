@@ -115,12 +115,11 @@ impl PathOptions {
 }
 
 /// Options of surfaces.
-const OF_SURFACES: [&str; 6] = [
+const OF_SURFACES: [&str; 5] = [
     "layers",
     "z_threshold",
     "edges",
     "cull_backfaces",
-    "no_cull_backfaces",
     "depth_image_from",
 ];
 
@@ -179,18 +178,4 @@ pub struct SurfaceArgs {
     /// Leaves out points that face away from the eye [default: auto; on if nothing follows]
     #[arg(long, value_enum, value_name = "WHEN", num_args = 0..=1, require_equals = true, default_value = "auto", default_missing_value = "on", hide_default_value = true, requires = "kind")]
     pub cull_backfaces: Backfaces,
-    /// The same as --cull-backfaces=off
-    #[arg(long, requires = "kind", conflicts_with = "cull_backfaces")]
-    pub no_cull_backfaces: bool,
-}
-
-impl SurfaceArgs {
-    /// Whether backs are left out, from both options.
-    pub fn backfaces(&self) -> Backfaces {
-        if self.no_cull_backfaces {
-            Backfaces::Off
-        } else {
-            self.cull_backfaces
-        }
-    }
 }
