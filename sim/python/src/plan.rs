@@ -277,7 +277,7 @@ impl Plan {
                 config: &plan.machine,
                 prices: &prices,
             };
-            anyhow::Ok(costed.picture(prepared.scene.name(), &workload, 1))
+            anyhow::Ok(costed.picture(prepared.scene.name(), &workload))
         });
         record(py, &raise(found)?)
     }

@@ -161,7 +161,7 @@ fn one(
     options: &ModelOptions,
 ) -> Result<()> {
     let config = costed.config;
-    let record = costed.picture(name, workload, options.repeat);
+    let record = costed.picture(name, workload);
     print_result(&costed.text(&record))?;
     let Some(folder) = &options.output else {
         return Ok(());
