@@ -84,7 +84,7 @@ fn title(frames: &[NamedFrame]) -> String {
 fn limits(options: &OptimizeOptions) -> Result<Vec<Limit>> {
     let asked = &options.limits;
     let [lut, dsp, bram] = [asked.lut, asked.dsp, asked.bram].map(|most| most.map(f64::from));
-    let bandwidth = asked.bandwidth.map(|megabytes| megabytes * 1e6);
+    let (bandwidth, energy) = (asked.bandwidth.map(|most| most * 1e6), asked.max_energy);
     let rate = [(Quantity::FramesPerSecond, asked.fps, "--fps")].into_iter();
     let errors = asked.errors.asked(Quantity::LargestError);
     let mut limits = limits_given(rate.chain(errors).chain([
@@ -92,11 +92,7 @@ fn limits(options: &OptimizeOptions) -> Result<Vec<Limit>> {
         (Quantity::Dsps, dsp, "--dsp"),
         (Quantity::MemoryKbit, bram, "--bram"),
         (Quantity::BytesPerSecond, bandwidth, "--bandwidth"),
-        (
-            Quantity::MillijoulesPerFrame,
-            asked.max_energy,
-            "--max-energy",
-        ),
+        (Quantity::MillijoulesPerFrame, energy, "--max-energy"),
     ]));
     if let Some((name, part)) = prices(&options.search)?.part {
         let mut of_part = limits_of_part(&name, &part);
