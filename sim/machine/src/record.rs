@@ -62,7 +62,7 @@ pub struct AreaRecord {
 /// Speed of the simulation itself.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct HostSpeed {
-    /// Seconds of a simulation, the median of all.
+    /// Seconds of the simulation.
     pub simulation_s: f64,
     /// Simulated cycles in a second.
     pub cycles_per_s: f64,
@@ -127,18 +127,12 @@ impl CostedMachine<'_> {
         format!("area: raster units {raster}; around them {around}\n{of}\n{part}")
     }
 
-    /// Simulates a picture so many times, and counts all of it.
-    pub fn picture(&self, scene: &str, workload: &Workload, repeat: u32) -> PictureRecord {
+    /// Simulates a picture, and counts all of it.
+    pub fn picture(&self, scene: &str, workload: &Workload) -> PictureRecord {
         let work = LaneWork::new(workload, LaneShape::from(self.config));
-        let timed = |_| {
-            let started = Instant::now();
-            let timing = simulate(workload, &work, self.config);
-            (started.elapsed().as_secs_f64(), timing)
-        };
-        let (mut seconds, mut timings): (Vec<f64>, Vec<Timing>) =
-            (0..repeat.max(1)).map(timed).unzip();
-        let cycles = timings.pop().unwrap_or_default();
-        let simulation_s = splatline_engine::metrics::median(&mut seconds).unwrap_or(0.0);
+        let started = Instant::now();
+        let cycles = simulate(workload, &work, self.config);
+        let simulation_s = started.elapsed().as_secs_f64();
         PictureRecord {
             scene: scene.to_owned(),
             splats: workload.splats.len(),

@@ -29,14 +29,11 @@ use splatline_sim::vectors::{self, VectorSubject};
 pub struct Kernel {
     design: RuntimeWidths,
     traversal: Traversal,
-    compositing: Compositing,
-    scene: QuantisedScene,
+    colour_log2: i32,
     table: TableMemory,
-    vectors: VectorSubject,
+    /// View, splats and order, as vectors take them.
+    subject: VectorSubject,
 }
-
-/// A span's fields: row, first column, pixels, radial index at the first, its difference, the difference's difference.
-type SpanRow = [i64; 6];
 
 /// A pixel as Python has it: red, green, blue, transmittance.
 fn words_of(pixel: &Pixel) -> [u32; 4] {
@@ -54,7 +51,7 @@ impl Kernel {
     }
 
     fn window(&self, given: Option<[u16; 4]>) -> Window {
-        let [columns, rows] = self.scene.view.viewport;
+        let [columns, rows] = self.subject.view.viewport;
         let [x0, y0, x1, y1] = given.unwrap_or([0, 0, columns, rows]);
         Window {
             first: [x0, y0],
@@ -117,19 +114,18 @@ impl Kernel {
                 .ok()
                 .context("a design's widths are in range")?;
             Ok(Kernel {
+                design,
+                traversal: entry.traversal,
                 table: TableMemory::new(&widths, &scene.rules),
-                vectors: VectorSubject {
+                colour_log2: scene.colour_log2,
+                subject: VectorSubject {
                     design: entry.design.clone(),
                     rules: *splats.rules,
                     compositing: splats.compositing,
                     view: scene.view,
-                    splats: scene.splats.clone(),
+                    splats: scene.splats,
                     systems: false,
                 },
-                design,
-                traversal: entry.traversal,
-                compositing: kernel_compositing(splats.compositing),
-                scene,
             })
         });
         raise(made)
@@ -152,7 +148,7 @@ impl Kernel {
     /// Unit of the colours as a power of two.
     #[getter]
     fn colour_log2(&self) -> i32 {
-        self.scene.colour_log2
+        self.colour_log2
     }
 
     /// What a circuit is told of the rules of blending, at the design's widths.
@@ -180,31 +176,24 @@ impl Kernel {
         Vec<Option<&'static str>>,
     )> {
         let layout = self.packet_layout();
-        let all = || (0..self.scene.splats.len()).collect();
+        let (view, splats) = (&self.subject.view, &self.subject.splats);
+        let all = || (0..splats.len()).collect();
         let indices = indices.unwrap_or_else(all);
         let mut reasons = Vec::with_capacity(indices.len());
         let mut words = Vec::with_capacity(indices.len() * layout.words());
         let mut keys = Vec::with_capacity(indices.len());
         for index in &indices {
-            let splats = &self.scene.splats;
             let missing = || format!("splat {index}: there are {}", splats.len());
             let splat = splats.get(*index).with_context(missing);
             let (mut packet, mut key) = ([0; WORDS], 0);
-            reasons.push(
-                match setup(
-                    self.design,
-                    &self.scene.view,
-                    &self.table.rules,
-                    raise(splat)?,
-                ) {
-                    Ok(footprint) => {
-                        packet = layout.encode(&footprint);
-                        key = footprint.depth as i64;
-                        None
-                    }
-                    Err(reason) => Some(cull_name(reason)),
-                },
-            );
+            reasons.push(match setup(self.design, view, &self.table.rules, raise(splat)?) {
+                Ok(footprint) => {
+                    packet = layout.encode(&footprint);
+                    key = footprint.depth as i64;
+                    None
+                }
+                Err(reason) => Some(cull_name(reason)),
+            });
             keys.push(key);
             words.extend(&packet[..layout.words()]);
         }
@@ -223,7 +212,7 @@ impl Kernel {
     ) -> PyResult<(Bound<'py, PyArray2<i64>>, u32)> {
         let footprint = raise(self.packet(&packet.to_vec()?))?;
         let (spans, fraction) = self.spans(&footprint, &self.window(window));
-        let row = |s: &Span<i64>| -> SpanRow {
+        let row = |s: &Span<i64>| -> [i64; 6] {
             let [y, x, length] = [s.y, s.x, s.length].map(i64::from);
             [y, x, length, s.radial, s.first, s.second]
         };
@@ -312,7 +301,7 @@ impl Kernel {
                 transmittance,
             };
             if *alpha > 0 && !word.is_finished() {
-                match self.compositing {
+                match kernel_compositing(self.subject.compositing) {
                     Compositing::FrontToBack => blend.front_to_back(&mut word, *alpha, &colour),
                     Compositing::BackToFront => blend.back_to_front(&mut word, *alpha, &colour),
                     Compositing::XRay => blend.x_ray(&mut word, *alpha, &colour),
@@ -345,8 +334,8 @@ impl Kernel {
             footprints.push(raise(self.packet(&words.to_vec()))?);
         }
         let drawn = py.detach(|| -> Result<()> {
-            let (order, traversal) = (self.compositing, self.traversal);
-            let painter = self.table.painter(self.design, order, traversal);
+            let order = kernel_compositing(self.subject.compositing);
+            let painter = self.table.painter(self.design, order, self.traversal);
             let mut target = Target::new(&mut pixels, window, window.columns().into())
                 .map_err(|wrong| anyhow::anyhow!("{wrong}"))?;
             for footprint in &footprints {
@@ -374,7 +363,7 @@ impl Kernel {
             Bound<'py, PyArray2<i64>>,
         )>,
     > {
-        let mut subject = self.vectors.clone();
+        let mut subject = self.subject.clone();
         subject.splats.truncate(splats);
         raise(vectors::room_for_splats(subject.splats.len()))?;
         let stages = py.detach(|| vectors::compute(&subject));

@@ -10,12 +10,13 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use splatline_sim::cli;
 use splatline_sim::explore::answer;
+use splatline_sim::explore::evaluator::Evaluator;
 use splatline_sim::explore::fit;
 use splatline_sim::explore::limits::{Limit, limits_of_part, tightest};
 use splatline_sim::explore::space::Space;
 use splatline_sim::explore::subject::Subject;
 use splatline_sim::machine::energy::EnergyTable;
-use splatline_sim::machine::parts::{Part, Parts};
+use splatline_sim::machine::parts::Parts;
 use splatline_sim::machine::record::{CostedMachine, Prices};
 use splatline_sim::plan::FootprintLine;
 use splatline_sim::plan::measure::{count_of_threads_or_runs, draw_alone};
@@ -70,19 +71,11 @@ impl Plan {
     }
 }
 
-/// A part by its name, if one is named.
-pub fn part(name: Option<&str>) -> Result<Option<(String, Part)>> {
-    let found = |name: &str| -> Result<_> {
-        let parts = Parts::default();
-        let part = parts.find(name).map_err(anyhow::Error::msg)?;
-        Ok((name.to_owned(), part.clone()))
-    };
-    name.map(found).transpose()
-}
-
-/// Prices of area and energy on a part.
+/// Prices of area and energy, on a part if one is named.
 pub fn prices(name: Option<&str>) -> Result<Prices> {
-    let part = part(name)?;
+    let parts = Parts::default();
+    let found = |name: &str| parts.find(name).map(|part| (name.to_owned(), part.clone()));
+    let part = name.map(found).transpose().map_err(anyhow::Error::msg)?;
     let family = part.as_ref().map(|(_, part)| part.family);
     Ok(Prices {
         calibration: family.unwrap_or_default().calibration(),
@@ -284,19 +277,15 @@ impl Plan {
                 config: &plan.machine,
                 prices: &prices,
             };
-            anyhow::Ok(costed.picture(prepared.scene.name(), &workload, 1))
+            anyhow::Ok(costed.picture(prepared.scene.name(), &workload))
         });
         record(py, &raise(found)?)
     }
 }
 
 /// The frames of a question, with references where errors are asked for.
-pub fn subject<'a>(
-    frames: &'a [Arc<Prepared>],
-    errors: bool,
-    part: Option<&str>,
-) -> Result<Subject<'a>> {
-    let mut subject = Subject::new(frames.iter().map(|frame| &**frame).collect())?;
+pub fn subject(frames: Vec<Arc<Prepared>>, errors: bool, part: Option<&str>) -> Result<Subject> {
+    let mut subject = Subject::new(frames)?;
     let prices = prices(part)?;
     subject.calibration = prices.calibration;
     subject.energy = prices.energy;
@@ -327,10 +316,11 @@ pub fn fit_widths<'py>(
             !limits.is_empty() && limits.iter().all(|limit| limit.quantity.is_error()),
             "limits: give one or more of psnr_db, largest_error, rms_error, percentile99 and flip, and no others"
         );
-        let mut subject = subject(&frames, true, None)?;
-        subject.traversal = Some(frames[0].plan.entry.traversal);
-        let (fitted, error) = fit::fit(&subject, &limits, &|_| ())?;
-        fitted.with_context(|| fit::refusal(&subject.design.name, &limits, &error))
+        let mut subject = subject(frames, true, None)?;
+        subject.traversal = Some(subject.frames[0].plan.entry.traversal);
+        let mut evaluator = Evaluator::within(subject, &limits);
+        let (fitted, error) = fit::fit(&mut evaluator, &limits, &|_| ())?;
+        fitted.with_context(|| fit::refusal(&evaluator.subject.design.name, &limits, &error))
     });
     record(py, &raise(found)?)
 }
@@ -349,15 +339,18 @@ pub fn search_cheapest<'py>(
     let frames = frames(&plans);
     let own = limits(limit)?;
     let found = py.detach(|| {
-        let of_part = self::part(part)?.map(|(name, part)| limits_of_part(&name, &part));
+        let of_part = prices(part)?.part;
+        let of_part = of_part.map(|(name, part)| limits_of_part(&name, &part));
         let limits = tightest([own, of_part.unwrap_or_default()].concat());
         let errors = limits.iter().any(|limit| limit.quantity.is_error());
-        let subject = subject(&frames, errors || frames.len() == 1, part)?;
+        let measured = errors || frames.len() == 1;
+        let subject = subject(frames, measured, part)?;
         let space = match space {
             Some(text) => Space::without_points("space", text)?,
             None => answer::usual_space(&subject.design, &subject.machine, errors)?,
         };
-        answer::optimize(&subject, &limits, &space, &|_| ())
+        let mut evaluator = Evaluator::within(subject, &limits);
+        answer::optimize(&mut evaluator, &limits, &space, &|_| ())
     });
     record(py, &raise(found)?)
 }

@@ -2,8 +2,9 @@
 
 use crate::convert::raise;
 use crate::plan::{Plan, frames, prices, subject};
-use anyhow::{Context, Result, anyhow};
+use anyhow::{Result, ensure};
 use pyo3::prelude::*;
+use rayon::ThreadPool;
 use splatline_sim::explore::evaluator::Evaluator;
 use splatline_sim::explore::front::{candidates, front, front_table};
 use splatline_sim::explore::identity::Identity;
@@ -14,9 +15,7 @@ use splatline_sim::explore::table::{RESULTS, ROW_DIGEST, ResultTable, row_digest
 use splatline_sim::machine::area::synthesis;
 use splatline_sim::plan::Effort;
 use splatline_sim::threads;
-use std::sync::mpsc::{Sender, channel};
 use std::sync::{Mutex, PoisonError};
-use std::thread;
 
 /// The fields and values of a space file.
 #[pyclass(frozen, skip_from_py_object, module = "splatline._native")]
@@ -58,7 +57,7 @@ impl Space {
 /// Names of the results in their order.
 #[pyfunction]
 pub fn result_names() -> Vec<&'static str> {
-    RESULTS.map(|(name, ..)| name).to_vec()
+    RESULTS.map(|(name, _)| name).to_vec()
 }
 
 /// Everything that decides the results, as JSON: scene, camera, rules, design, machine, prices, space.
@@ -71,7 +70,7 @@ pub fn identity(
     part: Option<&str>,
 ) -> PyResult<String> {
     let frames = frames(&plans);
-    let found = py.detach(|| Identity::new(&subject(&frames, false, part)?, text, &[]));
+    let found = py.detach(|| Identity::new(&subject(frames, false, part)?, text, &[]));
     Ok(raise(found)?.to_text())
 }
 
@@ -85,7 +84,7 @@ pub fn sweep_pages(
     part: Option<&str>,
 ) -> PyResult<(String, String, String)> {
     let names = std::iter::once("point".to_owned()).chain(axes);
-    let names = names.chain(RESULTS.map(|(name, ..)| name.to_owned()));
+    let names = names.chain(RESULTS.map(|(name, _)| name.to_owned()));
     let numbered = rows.into_iter().enumerate().map(|(number, row)| {
         let mut fields = vec![number.to_string()];
         fields.extend(row);
@@ -103,20 +102,12 @@ pub fn sweep_pages(
     Ok((table.to_csv(), front.to_csv(), page))
 }
 
-/// Why nothing comes back.
-const ENDED: &str = "the evaluating thread has ended";
-
-/// Points to evaluate, and where their results go: point by point, or what stopped it.
-struct Job {
-    points: Vec<Vec<usize>>,
-    answer: Sender<Result<Vec<Vec<String>>>>,
-}
-
-/// Frames with their references, kept by a thread that evaluates points on them: the evaluator, which knows what was
-/// drawn before, borrows from both.
+/// Frames with their references, and what was drawn of them before, for points that come bit by bit.
 #[pyclass(frozen, skip_from_py_object, module = "splatline._native")]
 pub struct Evaluation {
-    jobs: Mutex<Sender<Job>>,
+    evaluator: Evaluator,
+    space: space::Space,
+    pool: ThreadPool,
 }
 
 #[pymethods]
@@ -126,68 +117,45 @@ impl Evaluation {
     fn new(
         py: Python<'_>,
         plans: Vec<Bound<'_, Plan>>,
-        text: String,
+        text: &str,
         errors: bool,
         similarity: bool,
-        part: Option<String>,
+        part: Option<&str>,
         threads: Option<usize>,
     ) -> PyResult<Evaluation> {
         let frames = frames(&plans);
-        let space = raise(space::Space::without_points("space", &text))?;
+        let space = raise(space::Space::without_points("space", text))?;
         let pool = raise(threads::pool(Effort::new(threads, 1).threads))?;
-        let (jobs, queue) = channel();
-        let (ready, made) = channel();
-        let work = move || {
-            let subject = match subject(&frames, errors, part.as_deref()) {
-                Ok(subject) => subject,
-                Err(error) => return drop(ready.send(Err(error))),
-            };
-            drop(ready.send(Ok(())));
-            let evaluator = Evaluator::new(&subject, similarity);
-            // Ends when the last sender of jobs is dropped.
-            while let Ok(Job { points, answer }) = queue.recv() {
-                // Nobody waits any more if this fails.
-                drop(answer.send(evaluate(&evaluator, &space, &points)));
-            }
-        };
-        thread::spawn(move || pool.install(work));
-        let made = py.detach(move || made.recv().context(ENDED));
-        raise(raise(made)?)?;
+        let subject = py.detach(|| pool.install(|| subject(frames, errors, part)));
         Ok(Evaluation {
-            jobs: Mutex::new(jobs),
+            evaluator: Evaluator::new(raise(subject)?, similarity),
+            space,
+            pool,
         })
     }
 
     /// What points reach, in the order of `result_names`, as the tables of `splatline sweep` write it.
     fn run(&self, py: Python<'_>, points: Vec<Vec<usize>>) -> PyResult<Vec<Vec<String>>> {
-        let (answer, results) = channel();
-        let results = py.detach(move || {
-            let job = Job { points, answer };
-            let jobs = self.jobs.lock().unwrap_or_else(PoisonError::into_inner);
-            jobs.send(job).map_err(|_| anyhow!(ENDED))?;
-            drop(jobs);
-            results.recv().context(ENDED)?
-        });
-        raise(results)
+        raise(py.detach(|| self.pool.install(|| self.evaluate(&points))))
     }
 }
 
-fn evaluate(
-    evaluator: &Evaluator,
-    space: &space::Space,
-    points: &[Vec<usize>],
-) -> Result<Vec<Vec<String>>> {
-    for point in points {
-        let mut values = point.iter().zip(&space.axes);
-        let fits = point.len() == space.axes.len()
-            && values.all(|(index, axis)| *index < axis.values.len());
-        anyhow::ensure!(fits, "point {point:?} is none of the space's");
+impl Evaluation {
+    fn evaluate(&self, points: &[Vec<usize>]) -> Result<Vec<Vec<String>>> {
+        let axes = &self.space.axes;
+        for point in points {
+            let mut values = point.iter().zip(axes);
+            let fits =
+                point.len() == axes.len() && values.all(|(index, axis)| *index < axis.values.len());
+            ensure!(fits, "point {point:?} is none of the space's");
+        }
+        let found = Mutex::new(vec![Vec::new(); points.len()]);
+        let keep = |place: usize, results| {
+            found.lock().unwrap_or_else(PoisonError::into_inner)[place] = results;
+            Ok(())
+        };
+        let points = points.iter().enumerate();
+        sweep::evaluate(&self.evaluator, &self.space, points, &keep)?;
+        Ok(found.into_inner().unwrap_or_else(PoisonError::into_inner))
     }
-    let found = Mutex::new(vec![Vec::new(); points.len()]);
-    let keep = |place: usize, results| {
-        found.lock().unwrap_or_else(PoisonError::into_inner)[place] = results;
-        Ok(())
-    };
-    sweep::evaluate(evaluator, space, points.iter().enumerate(), &keep)?;
-    Ok(found.into_inner().unwrap_or_else(PoisonError::into_inner))
 }

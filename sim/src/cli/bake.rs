@@ -53,10 +53,7 @@ pub fn run(options: &BakeOptions) -> Result<()> {
     let request = PlanRequest::by_design(&options.view, "standard24").along(&options.path);
     let frames = request.frames()?;
     outputs.spare_inputs()?;
-    let first = frames.first().map(|frame| &frame.prepared);
-    let Some(first) = first else {
-        return Err(usage("there is no view".to_owned()));
-    };
+    let first = &frames[0].prepared;
     warn(&first.warnings);
     let Subject::Splats(splats) = first.subject()? else {
         return Err(usage(GAUSSIANS_ALONE));

@@ -114,15 +114,11 @@ pub fn compare(options: &CompareOptions, outputs: Outputs) -> Result<()> {
     };
     write_json(&options.output.join("frames.json"), &result)?;
     write_json_if(drawing.json.as_ref(), &result)?;
-    let title = format!(
-        "Frames: {}",
-        rows.first().map_or("", |row| row.name.as_str())
-    );
+    let first = rows.first().map_or("", |row| row.name.as_str());
     let html = options.output.join("frames.html");
-    write(&html, page(&title, &rows, &over))?;
+    write(&html, page(&format!("Frames: {first}"), &rows, &over))?;
     warn(&warnings.into_iter().collect::<Vec<_>>());
-    print_result(&over.text())?;
-    print_result(&format!("{}\n", html.display()))
+    print_result(&format!("{}{}\n", over.text(), html.display()))
 }
 
 /// Speed of animations.

@@ -76,65 +76,55 @@ pub fn run(options: &InfoOptions) -> Result<()> {
 
 impl Info {
     fn of_scene(scene: &Scene, notes: Vec<String>) -> Info {
-        let frame = FramingInput::of_scene(scene, None);
-        let longest = |axes: &[Vector; 3]| axes.map(vector::length).into_iter().fold(0.0, f64::max);
-        let shortest = |axes: &[Vector; 3]| {
-            axes.map(vector::length)
-                .into_iter()
-                .fold(f64::INFINITY, f64::min)
-        };
         let splats = || scene.splats.iter();
-        let weight = match scene.weight {
-            Weight::Opacity => "opacity",
-            Weight::Mass => "mass (extinction times volume)",
-        };
-        let ranges = [
-            ShownRange::new("longest axis", splats().map(|splat| longest(&splat.axes))),
-            ShownRange::new("shortest axis", splats().map(|splat| shortest(&splat.axes))),
-            ShownRange::new(weight, splats().map(|splat| splat.weight)),
-            ShownRange::new(
-                "colour without harmonics",
-                splats().flat_map(|splat| splat.colour),
+        let lengths = || splats().map(|splat| splat.axes.map(vector::length));
+        let longest = lengths().map(|axes| axes.into_iter().fold(0.0, f64::max));
+        let shortest = lengths().map(|axes| axes.into_iter().fold(f64::INFINITY, f64::min));
+        let (mut kind, weight) = match scene.weight {
+            Weight::Opacity => ("3D Gaussians", "opacity"),
+            Weight::Mass => (
+                "volume, a splat per voxel that the transfer function shows",
+                "mass (extinction times volume)",
             ),
+        };
+        let are_flat = splats().all(|splat| splat.axes[2] == [0.0; 3]);
+        if are_flat && scene.weight == Weight::Opacity {
+            kind = "2D Gaussians, drawn as flat 3D ones";
+        }
+        let colours = splats().flat_map(|splat| splat.colour);
+        let ranges = [
+            ShownRange::new("longest axis", longest),
+            ShownRange::new("shortest axis", shortest),
+            ShownRange::new(weight, splats().map(|splat| splat.weight)),
+            ShownRange::new("colour without harmonics", colours),
         ];
-        let dropped = [
-            ("non_finite", scene.skipped.non_finite),
-            ("zero_rotation", scene.skipped.zero_rotation),
-        ];
+        let harmonics = scene.harmonics.as_ref();
         Info {
-            kind: match scene.weight {
-                Weight::Opacity if splats().all(|splat| splat.axes[2] == [0.0; 3]) => {
-                    "2D Gaussians, drawn as flat 3D ones"
-                }
-                Weight::Opacity => "3D Gaussians",
-                Weight::Mass => "volume, a splat per voxel that the transfer function shows",
-            },
+            kind,
             count: scene.splats.len(),
             bounds: scene.bounds().map(|bounds| [bounds.least, bounds.greatest]),
             ranges: ranges.into_iter().flatten().collect(),
-            harmonics_degree: scene
-                .harmonics
-                .as_ref()
-                .map_or(0, |harmonics| harmonics.degree),
+            harmonics_degree: harmonics.map_or(0, |harmonics| harmonics.degree),
             rules: scene.natural_rules.name,
             order: scene.order.name(),
-            dropped: counted(dropped),
+            dropped: counted([
+                ("non_finite", scene.skipped.non_finite),
+                ("zero_rotation", scene.skipped.zero_rotation),
+            ]),
             notes,
-            ..Info::framed(&scene.name, &frame)
+            ..Info::framed(&scene.name, &FramingInput::of_scene(scene, None))
         }
     }
 
     fn of_surface(cloud: &SurfaceScene, is_height_field: bool) -> Info {
-        let frame = FramingInput::of_surface(cloud, is_height_field, None);
         let points = || cloud.points.iter();
+        let radii = points().map(|point| vector::length(point.frame[0]));
         let ranges = [
-            ShownRange::new(
-                "radius",
-                points().map(|point| vector::length(point.frame[0])),
-            ),
+            ShownRange::new("radius", radii),
             ShownRange::new("opacity", points().map(|point| point.opacity)),
             ShownRange::new("colour", points().flat_map(|point| point.colour)),
         ];
+        let frame = FramingInput::of_surface(cloud, is_height_field, None);
         Info {
             kind: if is_height_field {
                 "height field (drawn with --as surface)"
@@ -216,13 +206,11 @@ impl ShownRange {
     fn new(of: &'static str, values: impl Iterator<Item = f64>) -> Option<ShownRange> {
         let mut values: Vec<f64> = values.collect();
         values.sort_by(f64::total_cmp);
-        let median = *values.get(values.len() / 2)?;
-        let (least, greatest) = (*values.first()?, *values.last()?);
         Some(ShownRange {
             of,
-            least,
-            median,
-            greatest,
+            least: *values.first()?,
+            median: *values.get(values.len() / 2)?,
+            greatest: *values.last()?,
         })
     }
 }

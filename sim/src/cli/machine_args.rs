@@ -82,9 +82,6 @@ pub struct ModelOptions {
     /// cycles, bytes, energy
     #[arg(long, help_heading = "Machine", conflicts_with_all = ["footprints", "machine", "set", "design", "traversal"])]
     pub machines: bool,
-    /// Simulate N times and report the median speed
-    #[arg(long, help_heading = "Machine", value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
-    pub repeat: u32,
     /// Folder to write timing.json, timing.html, machine.toml and action_counts.yaml into
     #[arg(short, long, value_name = "dir", help_heading = "Output")]
     pub output: Option<PathBuf>,

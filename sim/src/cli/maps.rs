@@ -106,24 +106,20 @@ pub fn write_maps(prepared: &Prepared, requested: &[Map], picture: &Path) -> Res
     let format = PictureFormat::of(picture).unwrap_or(PictureFormat::Png);
     for map in requested {
         let file = map.file(picture);
-        let (bytes, scale) = match format {
-            PictureFormat::Png => {
-                let (picture, scale) = in_colours(*map, &pixels, size);
-                (picture.to_png()?, scale)
-            }
-            format => {
-                let [width, height] = size;
-                let numbers = Picture {
-                    width,
-                    height,
-                    pixels: pixels.iter().map(|pixel| map.numbers(pixel)).collect(),
-                };
-                let depth = Depth::default();
-                (
-                    numbers.encode(format, depth, Default::default())?,
-                    String::new(),
-                )
-            }
+        let mut scale = String::new();
+        let bytes = if format == PictureFormat::Png {
+            let picture;
+            (picture, scale) = in_colours(*map, &pixels, size);
+            picture.to_png()?
+        } else {
+            let [width, height] = size;
+            let pixels = pixels.iter().map(|pixel| map.numbers(pixel)).collect();
+            let numbers = Picture {
+                width,
+                height,
+                pixels,
+            };
+            numbers.encode(format, Depth::default(), Default::default())?
         };
         write(&file, bytes)?;
         print_result(&format!("{}: {}{scale}\n", file.display(), map.words()))?;

@@ -7,9 +7,7 @@
 use super::machine_args::ModelOptions;
 use super::order_reuse::{self, OrderReuse, ReusedOrderFrame};
 use super::output::{self, Outputs, write, write_json};
-use super::resolve::{
-    NamedFrame, PlannedFrame, calibration, energy_table, machine, part, refuse_kept_order,
-};
+use super::resolve::{NamedFrame, PlannedFrame, energy_table, machine, prices, refuse_kept_order};
 use super::say::{print_result, usage, warn};
 use crate::design::DesignChoice;
 use crate::machine::clock::Throughput;
@@ -42,9 +40,6 @@ const TIMING: &str = "splatline-timing/1";
 
 /// Frames that are printed one by one; of more than these only the summary is.
 const FEW_FRAMES: usize = 8;
-
-/// What is timed, and the design and the machine that it is timed on.
-type Modelled = (Workload, DesignVariant, Config);
 
 /// A result with its format's name.
 #[derive(Serialize)]
@@ -91,17 +86,13 @@ pub fn run(options: &ModelOptions) -> Result<()> {
     if options.machines {
         return others_beside_ours(options, &outputs);
     }
-    let (simulation, area) = (&options.simulation, &options.simulation.area);
-    let named = area.part.clone().unwrap_or_default();
-    let prices = Prices {
-        calibration: calibration(area)?,
-        part: part(area)?.map(|part| (named, part)),
-        energy: energy_table(simulation.energy.as_ref())?,
-    };
+    let simulation = &options.simulation;
+    let prices = prices(simulation)?;
     if let Some(table) = &options.footprints {
-        let modelled = from_table(table, options)?;
+        let (workload, variant, config) = from_table(table, options)?;
         outputs.spare_inputs()?;
-        return one(&table.display().to_string(), &modelled, &prices, options);
+        let costed = costed(&variant, &config, &prices);
+        return one(&table.display().to_string(), &workload, &costed, options);
     }
     let view = &simulation.frames.view;
     ensure!(
@@ -117,7 +108,13 @@ pub fn run(options: &ModelOptions) -> Result<()> {
     match frames.len() {
         1 => {
             let frame = frames.remove(0).prepare();
-            one(&frame.name, &from_scene(&frame)?, &prices, options)
+            announce(&frame)?;
+            let progress = ProgressMeter::spinner("walking the rows of every tile");
+            let workload = frame.prepared.workload()?;
+            drop(progress);
+            let plan = &frame.prepared.plan;
+            let costed = costed(&plan.entry, &plan.machine, &prices);
+            one(&frame.name, &workload, &costed, options)
         }
         _ => several(frames, &prices, options),
     }
@@ -159,12 +156,12 @@ fn costed<'a>(
 /// One picture, with all accounts.
 fn one(
     name: &str,
-    (workload, entry, config): &Modelled,
-    prices: &Prices,
+    workload: &Workload,
+    costed: &CostedMachine,
     options: &ModelOptions,
 ) -> Result<()> {
-    let costed = costed(entry, config, prices);
-    let record = costed.picture(name, workload, options.repeat);
+    let config = costed.config;
+    let record = costed.picture(name, workload);
     print_result(&costed.text(&record))?;
     let Some(folder) = &options.output else {
         return Ok(());
@@ -281,17 +278,8 @@ fn announce(frame: &NamedFrame) -> Result<()> {
     Ok(())
 }
 
-fn from_scene(frame: &NamedFrame) -> Result<Modelled> {
-    let prepared = &frame.prepared;
-    announce(frame)?;
-    let progress = ProgressMeter::spinner("walking the rows of every tile");
-    let workload = prepared.workload()?;
-    drop(progress);
-    let plan = &prepared.plan;
-    Ok((workload, plan.entry.clone(), plan.machine))
-}
-
-fn from_table(path: &Path, options: &ModelOptions) -> Result<Modelled> {
+/// Work of a table, and the design and the machine that it is timed on.
+fn from_table(path: &Path, options: &ModelOptions) -> Result<(Workload, DesignVariant, Config)> {
     let work = &options.simulation.frames.work;
     let machine = machine(&options.simulation.machine)?;
     refuse_kept_order(&machine)?;

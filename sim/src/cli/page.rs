@@ -82,13 +82,10 @@ pub fn run(options: &PageOptions) -> Result<()> {
 }
 
 fn check_size([width, height]: [usize; 2]) -> Result<()> {
-    if width.max(height) > LARGEST_SIDE {
-        Err(usage(format!(
-            "a live page draws at most {LARGEST_SIDE} pixels a side: give a smaller --size"
-        )))
-    } else {
-        Ok(())
-    }
+    let message =
+        format!("a live page draws at most {LARGEST_SIDE} pixels a side: give a smaller --size");
+    ensure!(width.max(height) <= LARGEST_SIDE, usage(message));
+    Ok(())
 }
 
 /// Writes the page of a view; how many bytes it has.

@@ -135,8 +135,7 @@ pub fn run(options: &CompareOptions, photos: &Path, outputs: Outputs) -> Result<
     write_json(&json, &report)?;
     write_json_if(drawing.json.as_ref(), &report)?;
     write(&html, page(&report, &shown))?;
-    print_result(&report.text())?;
-    print_result(&format!("{}\n", html.display()))
+    print_result(&format!("{}{}\n", report.text(), html.display()))
 }
 
 /// The views of the split, in the order of their names.
@@ -265,10 +264,8 @@ fn draw(view: &View, options: &CompareOptions) -> Result<Vec<(String, Picture)>>
         Ok((engine.name().to_owned(), drawing.picture))
     };
     let fixed = |entry: &DesignVariant| -> Result<(String, Picture)> {
-        Ok((
-            entry.design.name.clone(),
-            prepared.draw_fixed(entry)?.picture,
-        ))
+        let picture = prepared.draw_fixed(entry)?.picture;
+        Ok((entry.design.name.clone(), picture))
     };
     let chosen = &prepared.plan.entry;
     let mut drawn = vec![by(reference)?, fixed(chosen)?];
@@ -287,11 +284,8 @@ fn draw(view: &View, options: &CompareOptions) -> Result<Vec<(String, Picture)>>
 /// The picture times the mask, which is its red channel.
 fn seen(picture: &Picture, mask: Option<&Picture>) -> Picture {
     let mut picture = picture.clone();
-    for (pixel, mask) in picture
-        .pixels
-        .iter_mut()
-        .zip(mask.iter().flat_map(|m| &m.pixels))
-    {
+    let masks = mask.iter().flat_map(|mask| &mask.pixels);
+    for (pixel, mask) in picture.pixels.iter_mut().zip(masks) {
         for channel in &mut pixel[..3] {
             *channel *= mask[0];
         }

@@ -14,13 +14,13 @@ use crate::machine::workload::Workload;
 use crate::plan::{Prepared, Subject};
 use crate::progress::ProgressMeter;
 use crate::systems::SystemVerdict;
-use anyhow::{Result, bail};
+use anyhow::{Result, ensure};
 use serde::Serialize;
 
 const FORMAT: &str = "splatline-needs/1";
 
 /// What one frame needs: the file's fields.
-#[derive(Serialize)]
+#[derive(Default, Serialize)]
 struct FrameNeeds {
     fit: Option<Fit>,
     format: &'static str,
@@ -47,15 +47,19 @@ pub fn run(options: &ProfileOptions) -> Result<()> {
     let frames = request.planned_frames()?;
     outputs.spare_inputs()?;
     let mut answers = Vec::with_capacity(frames.len());
-    let mut drawn = Drawn::default();
+    let mut before = None;
     for frame in frames {
-        answers.push(one(&frame.prepare(), options, &mut drawn)?);
+        answers.push(one(frame.prepare(), options, &mut before)?);
     }
     if let Some(path) = &options.html {
-        if drawn.frames.is_empty() {
-            bail!("--html: no frame is drawn by units that the machine has");
-        }
-        write(path, statistics::page("workload", &drawn.frames))?;
+        let frames = answers.iter();
+        let drawn = frames.filter_map(|frame| Some((&*frame.scene, frame.workload.as_ref()?)));
+        let drawn: Vec<(&str, &Statistics)> = drawn.collect();
+        ensure!(
+            !drawn.is_empty(),
+            "--html: no frame is drawn by units that the machine has"
+        );
+        write(path, statistics::page("workload", &drawn))?;
     }
     let path = options.json.as_ref();
     if let [only] = &answers[..] {
@@ -65,34 +69,28 @@ pub fn run(options: &ProfileOptions) -> Result<()> {
     write_json_if(path, &AllNeeds { format, frames })
 }
 
-/// Statistics of the frames so far, and the work of the one before.
-#[derive(Default)]
-struct Drawn {
-    before: Option<Workload>,
-    frames: Vec<(String, Statistics)>,
-}
-
-/// What one frame needs, which is also said.
-fn one(frame: &NamedFrame, options: &ProfileOptions, drawn: &mut Drawn) -> Result<FrameNeeds> {
+/// What one frame needs, which is also said; `before` is the work of the frame before.
+fn one(
+    frame: NamedFrame,
+    options: &ProfileOptions,
+    before: &mut Option<Workload>,
+) -> Result<FrameNeeds> {
     let prepared = &frame.prepared;
     warn(&prepared.setup_warnings()?);
     let name = frame.name.as_str();
     let mut answer = FrameNeeds {
-        fit: None,
         format: FORMAT,
-        needs: None,
         scene: name.to_owned(),
         systems: prepared.systems(),
-        workload: None,
+        ..FrameNeeds::default()
     };
     // Units and FIFOs are those of the machine, which draws plain splats.
     match prepared.subject()? {
         Subject::Splats(splats) if splats.are_composited() => {
-            let (found, statistics, workload) = examined(prepared, drawn.before.as_ref())?;
+            let (found, statistics, workload) = examined(prepared, before.as_ref())?;
             print_result(&text(name, &found))?;
-            drawn.frames.push((name.to_owned(), statistics.clone()));
             (answer.needs, answer.workload) = (Some(found), Some(statistics));
-            drawn.before = Some(workload);
+            *before = Some(workload);
         }
         Subject::Splats(splats) => {
             let count = splats.scene.splats.len();
@@ -106,19 +104,15 @@ fn one(frame: &NamedFrame, options: &ProfileOptions, drawn: &mut Drawn) -> Resul
         }
     }
     print_result(&systems_text(&answer.systems))?;
-    let design = &prepared.plan.entry.design;
-    match options.max_error {
-        Some(budget) => {
-            let only = std::slice::from_ref(frame);
-            let limit = Limit::new(Quantity::LargestError, budget, "--max-error");
-            let fitted = fit::fitted(only, &[limit], &[])?;
-            print_result(&fit::text(design, &fitted))?;
-            answer.fit = Some(fitted);
-        }
-        None => {
-            print_result("widths: give --max-error E to find the smallest ones within an error\n")?;
-        }
-    }
+    let Some(budget) = options.max_error else {
+        print_result("widths: give --max-error E to find the smallest ones within an error\n")?;
+        return Ok(answer);
+    };
+    let design = prepared.plan.entry.design.clone();
+    let limit = Limit::new(Quantity::LargestError, budget, "--max-error");
+    let fitted = fit::fitted(vec![frame], &[limit], &[])?;
+    print_result(&fit::text(&design, &fitted))?;
+    answer.fit = Some(fitted);
     Ok(answer)
 }
 

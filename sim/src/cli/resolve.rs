@@ -8,7 +8,7 @@ mod machine;
 mod technique;
 
 pub use camera::{pose_of, sound_camera};
-pub use machine::{calibration, energy_table, machine, part, refuse_kept_order};
+pub use machine::{energy_table, machine, prices, refuse_kept_order};
 
 use super::drawing_args::{DrawingOptions, FrameOptions, TechniqueOptions, WorkOptions};
 use super::machine_args::MachineOptions;
@@ -24,7 +24,7 @@ use crate::plan::path::{self, CameraPath};
 use crate::plan::{COMPOSITED_ALONE, DesignVariant, Engine, Plan, Prepared};
 use crate::progress::ProgressMeter;
 use crate::rules::Compositing;
-use anyhow::{Result, anyhow};
+use anyhow::{Context, Result, ensure};
 use camera::{USUAL_SIZE, camera};
 use machine::change_machine;
 use splatline::format::Traversal;
@@ -179,10 +179,9 @@ impl<'a> PlanRequest<'a> {
 
     /// Refuses, before anything is loaded, what the options say that no unit draws.
     fn check_units(&self) -> Result<()> {
-        match self.by_units {
-            true if self.is_stamped() || self.has_method() => Err(usage(COMPOSITED_ALONE)),
-            _ => Ok(()),
-        }
+        let is_beyond = self.is_stamped() || self.has_method();
+        ensure!(!(self.by_units && is_beyond), usage(COMPOSITED_ALONE));
+        Ok(())
     }
 
     /// Refuses a machine that keeps an order where no picture comes before another.
@@ -302,9 +301,8 @@ impl<'a> PlanRequest<'a> {
         let (camera, warnings) = match path {
             Some(path) => {
                 let cameras = path.cameras(loaded.scene.up(), self.path_size())?;
-                let first = cameras.into_iter().next();
-                let (_, camera) = first.ok_or_else(|| anyhow!("the camera path is empty"))?;
-                (camera, Vec::new())
+                let (_, first) = cameras.first().context("the camera path is empty")?;
+                (first.clone(), Vec::new())
             }
             None => {
                 let filling = loaded.scene.splats().filter(|_| fills);

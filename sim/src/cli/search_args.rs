@@ -2,9 +2,7 @@
 
 use super::drawing_args::FrameOptions;
 use super::machine_args::{MachineOptions, SimulationOptions};
-use super::resolve::{
-    COMPARED, HELD_PIXEL_BYTES, NamedFrame, calibration, energy_table, room_for_picture,
-};
+use super::resolve::{COMPARED, HELD_PIXEL_BYTES, NamedFrame, prices, room_for_picture};
 use super::say::warn;
 use super::values::{METRICS, format, one_of, positive};
 use super::view_args::of_units;
@@ -15,52 +13,50 @@ use anyhow::Result;
 use clap::{ArgGroup, Args};
 use splatline::format::Traversal;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 impl SimulationOptions {
-    /// What is explored, with references where errors are asked for.
-    pub fn subject<'a>(&self, frames: &'a [NamedFrame], errors: bool) -> Result<Subject<'a>> {
-        for frame in frames {
+    /// What is explored, without references.
+    pub fn subject(&self, frames: Vec<NamedFrame>) -> Result<Subject> {
+        for frame in &frames {
             warn(&frame.prepared.setup_warnings()?);
         }
-        let mut subject = subject(frames, errors)?;
-        for frame in frames {
-            frame.prepared.check_machine(&subject.machine)?;
+        let mut subject = subject(frames)?;
+        for frame in &subject.frames {
+            frame.check_machine(&subject.machine)?;
         }
         // What nobody asked for, each design of a space decides.
-        let recorded = &frames[0].prepared.plan.entry.traversal;
-        let recorded = self.frames.view.from.as_ref().map(|_| *recorded);
+        let recorded = subject.frames[0].plan.entry.traversal;
+        let recorded = self.frames.view.from.as_ref().map(|_| recorded);
         subject.traversal = self.frames.work.traversal.map(Traversal::from).or(recorded);
-        subject.calibration = calibration(&self.area)?;
-        subject.energy = energy_table(self.energy.as_ref())?;
+        let prices = prices(self)?;
+        (subject.calibration, subject.energy) = (prices.calibration, prices.energy);
         Ok(subject)
     }
 }
 
-/// What is explored of these frames, whatever they are of, with references where errors are asked for.
-pub fn subject(frames: &[NamedFrame], errors: bool) -> Result<Subject<'_>> {
-    let mut subject = Subject::new(frames.iter().map(|frame| &frame.prepared).collect())?;
-    draw_references(&mut subject, frames, errors)?;
-    Ok(subject)
+/// What is explored of these frames, whatever they are of.
+pub fn subject(frames: Vec<NamedFrame>) -> Result<Subject> {
+    let prepared = frames.into_iter().map(|frame| Arc::new(frame.prepared));
+    Subject::new(prepared.collect())
 }
 
-/// Draws a subject's references where errors are asked for and there is memory for all of them.
-pub fn draw_references(subject: &mut Subject, frames: &[NamedFrame], errors: bool) -> Result<()> {
-    if !errors {
-        return Ok(());
-    }
-    for frame in frames {
-        let bytes = COMPARED + HELD_PIXEL_BYTES * (frames.len() as u64 - 1);
-        room_for_picture(&frame.prepared.plan.camera, bytes)?;
+/// Draws a subject's references if there is memory for all of them.
+pub fn draw_references(subject: &mut Subject) -> Result<()> {
+    let bytes = COMPARED + HELD_PIXEL_BYTES * (subject.frames.len() as u64 - 1);
+    for frame in &subject.frames {
+        room_for_picture(&frame.plan.camera, bytes)?;
     }
     subject.draw_references()
 }
 
-/// The limits that options give: quantities, bounds and the options' names.
-pub fn limits_given(options: &[(Quantity, Option<f64>, &str)]) -> Vec<Limit> {
-    let limit = |(quantity, bound, of): &(Quantity, Option<f64>, &str)| {
-        Some(Limit::new(*quantity, (*bound)?, of))
-    };
-    options.iter().filter_map(limit).collect()
+/// A limit that may be asked for: its quantity, its bound and the option's name.
+pub type Asked = (Quantity, Option<f64>, &'static str);
+
+/// The limits that are asked for.
+pub fn limits_given(options: impl IntoIterator<Item = Asked>) -> Vec<Limit> {
+    let limit = |(quantity, bound, of): Asked| Some(Limit::new(quantity, bound?, of));
+    options.into_iter().filter_map(limit).collect()
 }
 
 #[derive(Debug, Args)]
@@ -106,7 +102,7 @@ pub struct FormatOptions {
 }
 
 /// The group of all limits.
-pub const LIMITS: &str = "limits";
+const LIMITS: &str = "limits";
 
 /// What the pictures must hold.
 #[derive(Debug, Default, Args)]
@@ -126,14 +122,14 @@ pub struct ErrorLimits {
 }
 
 impl ErrorLimits {
-    /// Those that are given, of which --max-error is about a quantity.
-    pub fn given(&self, of_error: Quantity) -> Vec<Limit> {
-        limits_given(&[
+    /// All of them, of which --max-error is about a quantity.
+    pub fn asked(&self, of_error: Quantity) -> [Asked; 4] {
+        [
             (of_error, self.max_error, "--max-error"),
             (Quantity::Percentile99, self.p99, "--p99"),
             (Quantity::Flip, self.flip, "--flip"),
             (Quantity::PsnrDb, self.psnr, "--psnr"),
-        ])
+        ]
     }
 }
 

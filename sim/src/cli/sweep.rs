@@ -3,14 +3,15 @@
 use super::machine_args::SimulationOptions;
 use super::output::{Outputs, read_settings, write};
 use super::say::print_result;
-use super::search_args::SweepOptions;
+use super::search_args::{SweepOptions, draw_references};
+use crate::explore::evaluator::Evaluator;
 use crate::explore::folder::{self, Appender};
 use crate::explore::front::{candidates, front, front_table};
 use crate::explore::identity::{Identity, SettingsText};
 use crate::explore::plot;
 use crate::explore::space::Space;
 use crate::explore::sweep;
-use crate::explore::table::{ResultTable, heading};
+use crate::explore::table::ResultTable;
 use crate::machine::Config;
 use crate::machine::area::synthesis;
 use crate::progress::ProgressMeter;
@@ -24,6 +25,9 @@ const POINTS: &str = "points.csv";
 /// What a folder holds.
 const FILES: [&str; 4] = ["sweep.json", POINTS, "front.csv", "front.html"];
 
+/// Points of the front that are printed at most.
+const FEW_POINTS: usize = 12;
+
 /// Every point of the space.
 pub fn run(options: &SweepOptions) -> Result<()> {
     let (search, file, output) = (&options.search, &options.space, &options.output);
@@ -31,18 +35,26 @@ pub fn run(options: &SweepOptions) -> Result<()> {
     let text = read_settings(file)?;
     let space = Space::from_toml(&file.display().to_string(), &text)?;
     let frames = search.request().frames()?;
-    let subject = search.subject(&frames, !options.no_error)?;
+    let name = match frames.len() {
+        1 => frames[0].prepared.scene.name().to_owned(),
+        all => format!("{all} frames, of which each point shows its slowest"),
+    };
+    let mut subject = search.subject(frames)?;
+    if !options.no_error {
+        draw_references(&mut subject)?;
+    }
     let identity = Identity::new(&subject, &text, &settings(search, &space)?)?;
     outputs.spare_inputs()?;
     folder::claim(output, &identity)?;
     let path = output.join(POINTS);
-    let (out, done) = Appender::resume(&path, &heading(&space), &identity)?;
+    let (out, done) = Appender::open(&path, &space)?;
 
     let (all, before) = (space.points.len(), done.rows.len());
     let progress = ProgressMeter::new(all.saturating_sub(before));
     progress.doing(format!("{all} points"));
     let started = Instant::now();
-    sweep::run(&subject, &space, &done, &out, &|| progress.advance())?;
+    let evaluator = Evaluator::new(subject, true);
+    sweep::run(&evaluator, &space, &done, &out, &|| progress.advance())?;
     drop(progress);
     let seconds = started.elapsed().as_secs_f64();
     print_result(&format!(
@@ -52,14 +64,10 @@ pub fn run(options: &SweepOptions) -> Result<()> {
     ))?;
     let note = format!(
         "{}{}",
-        synthesis::statement(&subject.calibration),
-        clock_note(&subject.machine, &space)
+        synthesis::statement(&evaluator.subject.calibration),
+        clock_note(&evaluator.subject.machine, &space)
     );
-    let table = folder::table(&path, &identity)?;
-    let name = match frames.len() {
-        1 => frames[0].prepared.scene.name().to_owned(),
-        all => format!("{all} frames, of which each point shows its slowest"),
-    };
+    let table = folder::table(&path, &space)?;
     finish(&name, &note, &table, output)
 }
 
@@ -77,38 +85,31 @@ fn clock_note(machine: &Config, space: &Space) -> &'static str {
 fn finish(name: &str, note: &str, table: &ResultTable, folder: &Path) -> Result<()> {
     let all = candidates(table);
     let kept = front(&all);
-    write(
-        &folder.join("front.csv"),
-        front_table(table, &kept).to_csv(),
-    )?;
+    let file = folder.join("front.csv");
+    write(&file, front_table(table, &kept).to_csv())?;
     let title = format!("Speed, error and area: {name}");
-    write(
-        &folder.join("front.html"),
-        plot::page(&title, note, table, &all),
-    )?;
+    let page = plot::page(&title, note, table, &all);
+    write(&folder.join("front.html"), page)?;
+    let mut text = String::new();
     let left_out: Vec<&str> = table.left_out().collect();
     if let Some(reason) = left_out.first() {
         let count = left_out.len();
-        print_result(&format!(
+        text += &format!(
             "{count} of the points left out, why in the column left_out, the first because of {reason}\n"
-        ))?;
+        );
     }
-    print_result(&format!("{note}\n"))?;
-    print_result(&format!(
-        "front of error, cycles, area and energy: {} of {} points\n",
+    text += &format!(
+        "{note}\nfront of error, cycles, area and energy: {} of {} points\n",
         kept.len(),
         all.len()
-    ))?;
-    for candidate in kept.iter().take(12) {
-        print_result(&format!("  {}\n", candidate.label))?;
+    );
+    for candidate in kept.iter().take(FEW_POINTS) {
+        text += &format!("  {}\n", candidate.label);
     }
-    if kept.len() > 12 {
-        print_result(&format!(
-            "  ... all of them in {}\n",
-            folder.join("front.csv").display()
-        ))?;
+    if kept.len() > FEW_POINTS {
+        text += &format!("  ... all of them in {}\n", file.display());
     }
-    Ok(())
+    print_result(&text)
 }
 
 /// The texts of all settings files that take part: whatever they say, another text is another sweep.

@@ -114,39 +114,25 @@ impl PathOptions {
     }
 }
 
-/// Options of what the machine has no units for.
-const BEYOND_UNITS: [&str; 9] = [
-    "points",
-    "phase_bits",
-    "sheets",
-    "sheet_thickness",
-    "deep_alpha",
-    "alpha_bits",
-    "alpha_rounding",
-    "spheres",
-    "sphere_index",
-];
-
 /// Options of surfaces.
-const OF_SURFACES: [&str; 6] = [
+const OF_SURFACES: [&str; 5] = [
     "layers",
     "z_threshold",
     "edges",
     "cull_backfaces",
-    "no_cull_backfaces",
     "depth_image_from",
 ];
 
-/// The help of what draws splats one by one does not list what it always refuses.
+/// The help of what draws splats one by one does not list the techniques that it always refuses.
 pub fn of_units(arg: Arg) -> Arg {
-    let is_beyond = BEYOND_UNITS.contains(&arg.get_id().as_str());
-    arg.hide(is_beyond)
+    let is_technique = arg.get_help_heading() == Some("Techniques");
+    let makes_points = ["flatten", "depth_image_from"].contains(&arg.get_id().as_str());
+    arg.hide(is_technique && !makes_points)
 }
 
-/// The same of what draws volume splats alone.
+/// That of what draws volume splats alone has no options of surfaces.
 pub fn of_volumes(arg: Arg) -> Arg {
-    let id = arg.get_id().as_str();
-    let is_beyond = BEYOND_UNITS.contains(&id) || OF_SURFACES.contains(&id);
+    let is_beyond = OF_SURFACES.contains(&arg.get_id().as_str());
     arg.hide(is_beyond)
 }
 
@@ -192,18 +178,4 @@ pub struct SurfaceArgs {
     /// Leaves out points that face away from the eye [default: auto; on if nothing follows]
     #[arg(long, value_enum, value_name = "WHEN", num_args = 0..=1, require_equals = true, default_value = "auto", default_missing_value = "on", hide_default_value = true, requires = "kind")]
     pub cull_backfaces: Backfaces,
-    /// The same as --cull-backfaces=off
-    #[arg(long, requires = "kind", conflicts_with = "cull_backfaces")]
-    pub no_cull_backfaces: bool,
-}
-
-impl SurfaceArgs {
-    /// Whether backs are left out, from both options.
-    pub fn backfaces(&self) -> Backfaces {
-        if self.no_cull_backfaces {
-            Backfaces::Off
-        } else {
-            self.cull_backfaces
-        }
-    }
 }

@@ -11,7 +11,7 @@
 use super::evaluator::{Evaluator, Reached};
 use super::formats::{self, FormatRow};
 use super::limits::{Limit, are_held, missed};
-use super::refusal::{RuledOut, ruled_out};
+use super::refusal::{RuledOut, failing, ruled_out};
 use super::search::{Score, Search, compare};
 use super::space::{Point, Space, SpaceAxis, SpacePart};
 use super::subject::{Choice, Subject};
@@ -66,17 +66,6 @@ pub struct Standing {
     pub missed_alone: Option<f64>,
 }
 
-/// A machine that was simulated on the way.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LookedAt {
-    /// All resources, in look-up tables.
-    pub cost: f64,
-    /// Pictures a second.
-    pub frames_per_s: f64,
-    /// Does it hold all limits?
-    pub holds: bool,
-}
-
 /// The answer.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Answer {
@@ -94,9 +83,9 @@ pub struct Answer {
     pub frames: [usize; 2],
     /// What no machine of the space can hold, by bounds alone; then nothing was searched.
     pub ruled_out: Vec<RuledOut>,
-    /// Every machine that was simulated.
+    /// What every machine reached that was simulated.
     #[serde(skip)]
-    pub looked_at: Vec<LookedAt>,
+    pub looked_at: Vec<Reached>,
     /// Were widths searched, or was the design kept because no limit was on the error?
     pub searched_designs: bool,
     /// Floating-point formats beside the first point, if they were asked for.
@@ -174,19 +163,20 @@ fn score(limits: &[Limit], reached: &Reached) -> Score {
 /// Refuses what no machine of the space can hold, without a drawing or a simulation; nothing if bounds do not rule it
 /// out.
 pub fn refusal(
-    subject: &Subject,
+    evaluator: &Evaluator,
     limits: &[Limit],
     space: &Space,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Option<Answer>> {
-    let evaluator = Evaluator::new(subject, false);
-    let all = subject.frames.len();
+    let all = evaluator.subject.frames.len();
     let few = (0..all.min(FEW_FRAMES)).collect();
-    let search = Search::new(&evaluator, space, limits, few, progress);
+    let search = Search::new(evaluator, space, limits, few, progress);
     progress("bounds by area and counts alone");
     let ruled_out = ruled_out(&search)?;
-    let refused = || refused(&search, ruled_out.clone(), all);
-    Ok((!ruled_out.is_empty()).then(refused))
+    if ruled_out.is_empty() {
+        return Ok(None);
+    }
+    Ok(Some(refused(&search, ruled_out, all)))
 }
 
 fn refused(search: &Search, ruled_out: Vec<RuledOut>, frames: usize) -> Answer {
@@ -207,37 +197,29 @@ fn out_of_every_width(search: &mut Search, at: &[usize]) -> Result<Vec<RuledOut>
     if of_design > search.split_axes().0.len() {
         return Ok(Vec::new());
     }
-    let error = search.error(at)?;
-    let limits = search.limits.iter();
-    let errors = limits.filter(|limit| limit.quantity.is_error());
-    let of = |limit: &Limit| {
-        let best = limit.quantity.of_error(error.as_ref()?)?;
-        (limit.excess(best) > 0.0).then(|| RuledOut {
-            limit: limit.clone(),
-            best,
-            with: Vec::new(),
-        })
+    let Some(error) = search.error(at)? else {
+        return Ok(Vec::new());
     };
-    Ok(errors.filter_map(of).collect())
+    let limits = search.limits.iter();
+    let of = |limit: &Limit| failing(limit, limit.quantity.of_error(&error), 0.0, &[]);
+    Ok(limits.filter_map(of).collect())
 }
 
 /// Searches the space and answers. `progress` is given what is being done.
 pub fn optimize(
-    subject: &Subject,
+    evaluator: &mut Evaluator,
     limits: &[Limit],
     space: &Space,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Answer> {
-    let detail = limits.iter().any(|limit| limit.quantity.is_detail());
-    let mut evaluator = Evaluator::new(subject, detail);
-    let all: Vec<usize> = (0..subject.frames.len()).collect();
+    let all: Vec<usize> = (0..evaluator.subject.frames.len()).collect();
     let mut searched = if all.len() > FEW_FRAMES {
-        heaviest(&evaluator, space)?
+        heaviest(evaluator, space)?
     } else {
         all.clone()
     };
     loop {
-        let mut search = Search::new(&evaluator, space, limits, searched.clone(), progress);
+        let mut search = Search::new(evaluator, space, limits, searched.clone(), progress);
         let at = widest_if_needed(&mut search)?;
         let ruled_out = out_of_every_width(&mut search, &at)?;
         if !ruled_out.is_empty() {
@@ -250,10 +232,10 @@ pub fn optimize(
             Ok(mut answer) => {
                 answer.frames = [searched.len(), all.len()];
                 answer.fixed_lanes = search.drawn_lanes();
-                if !subject.formats.is_empty() {
+                if !evaluator.subject.formats.is_empty() {
                     let first = answer.found.first().context("the first point was found")?;
                     answer.formats = formats::beside_point(
-                        &mut evaluator,
+                        evaluator,
                         (space, limits),
                         (&searched, &first.point),
                         &|reached| score(limits, reached),
@@ -268,7 +250,7 @@ pub fn optimize(
 
 /// The frames that take the most cycles where the search starts.
 fn heaviest(evaluator: &Evaluator, space: &Space) -> Result<Point> {
-    let subject = evaluator.subject;
+    let subject = &evaluator.subject;
     let at = Choice::possible(subject.choice(space, &start(subject, space)))?;
     let mut order: Vec<usize> = (0..subject.frames.len()).collect();
     if let Some(at) = at {
@@ -285,7 +267,7 @@ type BestPoint = (Point, Vec<Option<f64>>);
 /// Where the search starts; with all widths at their widest if the design that is given misses a limit on errors.
 fn widest_if_needed(search: &mut Search) -> Result<Point> {
     let space = search.space;
-    let mut at = start(search.evaluator.subject, space);
+    let mut at = start(&search.evaluator.subject, space);
     if search.has_error_limit() && search.error_excess(&at)? > 0.0 {
         let (widths, _) = search.split_axes();
         for axis in widths {
@@ -390,17 +372,12 @@ fn answered(
             missed_alone: missed_alone[place],
         }
     };
-    let looked_at = |reached: &Reached| LookedAt {
-        cost: reached.cost(),
-        frames_per_s: reached.pace.frames_per_s,
-        holds: are_held(limits, reached),
-    };
     let answer = Answer {
         holds,
         standings: limits.iter().enumerate().map(standing).collect(),
         points: search.known.values().flatten().count(),
         designs: search.designs(),
-        looked_at: search.known.values().flatten().map(looked_at).collect(),
+        looked_at: search.known.values().flatten().cloned().collect(),
         searched_designs: !search.split_axes().0.is_empty(),
         found,
         ..Answer::default()

@@ -5,7 +5,9 @@
 use super::answer::{Answer, Found, Standing};
 use super::answer_text::units_of;
 use super::detail::{Detail, Knob};
+use super::evaluator::Reached;
 use super::formats::{self, FormatRow};
+use super::limits::{Limit, are_held};
 use super::refusal;
 use crate::machine::config::Config;
 use crate::machine::timing::Timing;
@@ -104,8 +106,10 @@ fn plot(left: f64) -> (Rectangle, f64) {
 /// Cost against frames a second of every machine that was simulated.
 fn looked_at(answer: &Answer) -> String {
     let (frame, base) = plot(52.0);
-    let rates = answer.looked_at.iter().map(|one| one.frames_per_s);
-    let costs = answer.looked_at.iter().map(|one| one.cost);
+    let rates = answer.looked_at.iter().map(|one| one.pace.frames_per_s);
+    let costs = answer.looked_at.iter().map(Reached::cost);
+    let limits = answer.standings.iter().map(|standing| &standing.limit);
+    let limits: Vec<Limit> = limits.cloned().collect();
     let across = Axis::of_values(costs, 100.0, frame.across());
     let up = Axis::of_values(rates, 0.01, frame.upwards());
     let label = "area and frames a second of all machines";
@@ -114,17 +118,14 @@ fn looked_at(answer: &Answer) -> String {
     chart.columns(&frame, &across, &across.ticks(4));
     chart.names(&frame, "LUT in all", "frames a second");
     for one in &answer.looked_at {
-        let place = (across.at(one.cost), up.at(one.frames_per_s));
-        let (class, holds) = if one.holds {
+        let (cost, rate) = (one.cost(), one.pace.frames_per_s);
+        let (class, holds) = if are_held(&limits, one) {
             ("class=\"mark s2\"", "holds all limits")
         } else {
             ("class=\"mark s5\" opacity=\"0.45\"", "misses a limit")
         };
-        let words = format!(
-            "{:.0} LUT in all, {:.1} frames a second: {holds}",
-            one.cost, one.frames_per_s
-        );
-        chart.disc(place, 3.0, class, &words);
+        let words = format!("{cost:.0} LUT in all, {rate:.1} frames a second: {holds}");
+        chart.disc((across.at(cost), up.at(rate)), 3.0, class, &words);
     }
     if let Some(first) = answer.found.first() {
         let reached = &first.reached;

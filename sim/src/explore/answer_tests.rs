@@ -3,14 +3,15 @@
 use super::*;
 use crate::explore::answer_page;
 use crate::explore::detail::detail;
-use crate::explore::folder::Appender;
+use crate::explore::folder::{self, Appender};
 use crate::explore::limits::{Quantity, tightest};
 use crate::explore::subject::Choice;
 use crate::explore::sweep;
-use crate::explore::table::{ResultTable, heading};
+use crate::explore::table::ResultTable;
 use crate::plan::{DesignVariant, Plan, Prepared};
 use crate::scene::synthetic;
 use std::path::Path;
+use std::sync::Arc;
 
 const SPACE: &str = "[design]\nmantissa = [14, 16, 20, 24]\nalpha = [8, 10, 16, 24]\ncolour = [8, 12, 24]\n\
                      [machine]\ntile_width = [8, 16]\nlanes = [1, 2, 4]\nlayout = [\"run\", \"quad\"]\nrows_at_once = [1, 2]\n\
@@ -20,8 +21,8 @@ pub(in crate::explore) fn space(text: &str) -> Space {
     Space::from_toml("s.toml", text).unwrap()
 }
 
-/// The same scene by a camera or several, until the tests end.
-pub(in crate::explore) fn subject(zooms: &[f64]) -> Subject<'static> {
+/// The same scene by a camera or several.
+pub(in crate::explore) fn subject(zooms: &[f64]) -> Subject {
     let scene = synthetic::random_gaussians(200, 1, 2.0);
     let (camera, rules) = (synthetic::camera(48, 32), scene.natural_rules);
     let design = DesignChoice::named("standard24").unwrap();
@@ -30,30 +31,33 @@ pub(in crate::explore) fn subject(zooms: &[f64]) -> Subject<'static> {
     of_frames(zooms.iter().map(seen).collect())
 }
 
-fn of_frames(frames: Vec<Prepared>) -> Subject<'static> {
-    let mut subject = Subject::new(frames.leak().iter().collect()).unwrap();
+fn evaluator(zooms: &[f64]) -> Evaluator {
+    Evaluator::new(subject(zooms), false)
+}
+
+fn of_frames(frames: Vec<Prepared>) -> Subject {
+    let mut subject = Subject::new(frames.into_iter().map(Arc::new).collect()).unwrap();
     subject.machine.clock_mhz = 100;
     subject.draw_references().unwrap();
     subject
 }
 
-/// The table of a sweep that goes on from what is done.
+/// The table of a sweep that goes on from what is there.
 pub(in crate::explore) fn swept(
-    subject: &Subject,
+    evaluator: &Evaluator,
     space: &Space,
-    done: &ResultTable,
     path: &Path,
 ) -> Result<ResultTable> {
-    let (out, _) = Appender::open(path, &heading(space)).unwrap();
-    sweep::run(subject, space, done, &out, &|| ())?;
-    Ok(ResultTable::from_csv(&std::fs::read_to_string(path).unwrap()).unwrap())
+    let (out, done) = Appender::open(path, space).unwrap();
+    sweep::run(evaluator, space, &done, &out, &|| ())?;
+    folder::table(path, space)
 }
 
 /// Errors, cycles and area of every point, by the sweep.
-fn all_points(subject: &Subject, space: &Space) -> Vec<[f64; 5]> {
+fn all_points(evaluator: &Evaluator, space: &Space) -> Vec<[f64; 5]> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("points.csv");
-    let table = swept(subject, space, &ResultTable::default(), &path).unwrap();
+    let table = swept(evaluator, space, &path).unwrap();
     let place = |name: &str| table.column(name).unwrap();
     let places = ["max_abs", "cycles", "raster_luts", "around_luts", "area"].map(place);
     let value = |fields: &Vec<String>| {
@@ -71,8 +75,8 @@ fn limit(quantity: Quantity, bound: f64) -> Limit {
 /// knows.
 #[test]
 fn the_search_finds_what_the_exhaustive_sweep_finds() {
-    let (subject, space) = (subject(&[1.0]), space(SPACE));
-    let swept = all_points(&subject, &space);
+    let (mut evaluator, space) = (evaluator(&[1.0]), space(SPACE));
+    let swept = all_points(&evaluator, &space);
     let mut cycles: Vec<f64> = swept.iter().map(|point| point[1]).collect();
     cycles.sort_by(f64::total_cmp);
     let at = |part: f64| cycles[(part * (cycles.len() - 1) as f64) as usize] + 0.5;
@@ -86,7 +90,7 @@ fn the_search_finds_what_the_exhaustive_sweep_finds() {
                 limit(Quantity::FramesPerSecond, 100e6 / allowed),
                 limit(Quantity::LargestError, max_error),
             ];
-            let answer = optimize(&subject, &limits, &space, &|_| ()).unwrap();
+            let answer = optimize(&mut evaluator, &limits, &space, &|_| ()).unwrap();
             assert_eq!(answer.holds, cheapest.is_some(), "{allowed} {max_error}");
             let Some(cheapest) = cheapest else { continue };
             let costs: Vec<f64> = answer
@@ -109,8 +113,8 @@ fn the_search_finds_what_the_exhaustive_sweep_finds() {
 /// of it.
 #[test]
 fn the_limit_that_fails_first_is_named_by_how_much() {
-    let (subject, space) = (subject(&[1.0]), space(SPACE));
-    let swept = all_points(&subject, &space);
+    let (mut evaluator, space) = (evaluator(&[1.0]), space(SPACE));
+    let swept = all_points(&evaluator, &space);
     let luts = |point: &[f64; 5]| point[2] + point[3];
     let cycles = swept.iter().map(|point| point[1]);
     let fastest = cycles.fold(f64::INFINITY, f64::min);
@@ -121,7 +125,7 @@ fn the_limit_that_fails_first_is_named_by_how_much() {
         limit(Quantity::LargestError, 5e-3),
         limit(Quantity::Luts, bound),
     ];
-    let answer = optimize(&subject, &limits, &space, &|_| ()).unwrap();
+    let answer = optimize(&mut evaluator, &limits, &space, &|_| ()).unwrap();
     assert!(!answer.holds);
     let within = swept.iter().filter(|p| p[0] <= 5e-3 && luts(p) <= bound);
     let slowest_rate = within.map(|point| fastest / point[1]).fold(0.0, f64::max);
@@ -137,8 +141,7 @@ fn the_limit_that_fails_first_is_named_by_how_much() {
 /// the rate.
 #[test]
 fn bounds_lie_below_every_simulation_and_refuse_what_cannot_be() {
-    let (subject, space) = (subject(&[1.0]), space(SPACE));
-    let evaluator = Evaluator::new(&subject, false);
+    let (mut evaluator, space) = (evaluator(&[1.0]), space(SPACE));
     for point in space.points.iter().step_by(7) {
         let choice = evaluator.subject.choice(&space, point).unwrap();
         if choice.machine.check_together().is_err() {
@@ -159,7 +162,7 @@ fn bounds_lie_below_every_simulation_and_refuse_what_cannot_be() {
         }
     }
     let refused = |limits: &[Limit]| {
-        let answer = refusal(&subject, limits, &space, &|_| ()).unwrap();
+        let answer = refusal(&evaluator, limits, &space, &|_| ()).unwrap();
         answer.map_or(Vec::new(), |answer| answer.ruled_out)
     };
     let [fast, small, modest] = [
@@ -174,7 +177,7 @@ fn bounds_lie_below_every_simulation_and_refuse_what_cannot_be() {
     assert!(both[0].best < 1e8 && both[1].best > 100.0);
     // The fastest machine alone holds the rate, the smallest one alone the area.
     let rate = |point: &[f64; 5]| 100e6 / point[1];
-    let swept = all_points(&subject, &space);
+    let swept = all_points(&evaluator, &space);
     let fastest = swept.iter().map(rate).fold(0.0, f64::max);
     let luts = |point: &[f64; 5]| point[2] + point[3];
     let smallest = swept.iter().map(luts).fold(f64::INFINITY, f64::min);
@@ -182,8 +185,8 @@ fn bounds_lie_below_every_simulation_and_refuse_what_cannot_be() {
         limit(Quantity::FramesPerSecond, fastest),
         limit(Quantity::Luts, smallest),
     ];
-    let answer = optimize(&subject, &pair, &space, &|_| ()).unwrap();
     let ruled_out = refused(&pair);
+    let answer = optimize(&mut evaluator, &pair, &space, &|_| ()).unwrap();
     assert!(!answer.holds && ruled_out.iter().all(|out| out.with == pair[..1]));
     let text = crate::explore::refusal::text(&both);
     assert!(text.contains("refused before any simulation") && text.contains("by area alone"));
@@ -193,14 +196,16 @@ fn bounds_lie_below_every_simulation_and_refuse_what_cannot_be() {
 /// changed reaches.
 #[test]
 fn the_page_shows_all_bytes_and_all_energy() {
-    shows_all(&subject(&[1.0, 1.3]));
+    shows_all(&mut evaluator(&[1.0, 1.3]));
 }
 
-fn shows_all(subject: &Subject) {
+fn shows_all(evaluator: &mut Evaluator) {
     let space = space(SPACE);
     let limits = [limit(Quantity::FramesPerSecond, 2_000.0)];
-    let answer = optimize(subject, &limits, &space, &|_| ()).unwrap();
-    let detail = detail(subject, &limits, &space, &answer).unwrap().unwrap();
+    let answer = optimize(evaluator, &limits, &space, &|_| ()).unwrap();
+    let detail = detail(evaluator, &limits, &space, &answer)
+        .unwrap()
+        .unwrap();
     let reached = &answer.found[0].reached;
     assert_eq!(detail.timing.total, reached.pace.cycles_per_frame);
     let bytes = detail.timing.bytes.all();
@@ -225,11 +230,16 @@ fn a_surface_is_answered_with_all_bytes_and_all_energy() {
     let plan: Plan = toml::from_str(include_str!("../../plans/11-layers.toml")).unwrap();
     let subject = of_frames(vec![Prepared::load(plan, &|_| ()).unwrap()]);
     assert!(subject.machine.surface_layers > 1);
-    shows_all(&subject);
+    let mut evaluator = Evaluator::new(subject, false);
+    shows_all(&mut evaluator);
     // A machine without its unit, or with another one, is refused.
     let space = space("[machine]\nsurface_layers = [1, 0]\n");
     for point in [[0], [1]] {
-        let error = subject.choice(&space, &point).unwrap_err().to_string();
+        let error = evaluator
+            .subject
+            .choice(&space, &point)
+            .unwrap_err()
+            .to_string();
         let expected = "it needs a machine with surface_layers";
         assert!(error.contains(expected), "{error}");
     }
@@ -238,10 +248,10 @@ fn a_surface_is_answered_with_all_bytes_and_all_energy() {
 /// An error below what the widest design makes is refused for that.
 #[test]
 fn an_error_beyond_every_width_is_refused() {
-    let subject = subject(&[1.0]);
+    let mut evaluator = evaluator(&[1.0]);
     let space = Space::without_points("s", "[design]\nmantissa = [14, 16]\n").unwrap();
     let limits = [limit(Quantity::LargestError, 1e-12)];
-    let answer = optimize(&subject, &limits, &space, &|_| ()).unwrap();
+    let answer = optimize(&mut evaluator, &limits, &space, &|_| ()).unwrap();
     assert_eq!(answer.ruled_out.len(), 1);
     assert!(answer.ruled_out[0].best > 1e-12 && answer.found.is_empty() && answer.points == 0);
 }
@@ -249,17 +259,16 @@ fn an_error_beyond_every_width_is_refused() {
 /// More frames than the search begins with, of which the others are nearer: the answer holds on each of them.
 #[test]
 fn an_answer_holds_on_every_frame() {
-    let subject = subject(&[0.6, 0.8, 1.0, 1.2, 1.4, 1.6]);
+    let mut evaluator = evaluator(&[0.6, 0.8, 1.0, 1.2, 1.4, 1.6]);
     let limits = vec![
         limit(Quantity::FramesPerSecond, 6_000.0),
         limit(Quantity::LargestError, 5e-3),
     ];
-    let answer = optimize(&subject, &limits, &space(SPACE), &|_| ()).unwrap();
+    let answer = optimize(&mut evaluator, &limits, &space(SPACE), &|_| ()).unwrap();
     assert!(answer.holds, "{:?}", answer.standings);
     assert_eq!(answer.frames[1], 6);
     let found = &answer.found[0];
     let toml = found.design.to_toml();
-    let evaluator = Evaluator::new(&subject, false);
     let choice = Choice {
         variant: DesignVariant::new(DesignChoice::from_toml("d.toml", &toml).unwrap(), None),
         machine: found.machine,
@@ -313,22 +322,27 @@ fn of_two_limits_the_tighter_holds() {
 /// which point is none.
 #[test]
 fn widths_that_exclude_each_other_end_no_search() {
-    let one = subject(&[1.0]);
+    let mut one = evaluator(&[1.0]);
     // So many frames that the heaviest are asked for at the first point.
-    let many = subject(&[1.0, 1.1, 1.2, 1.3, 1.4]);
+    let mut many = evaluator(&[1.0, 1.1, 1.2, 1.3, 1.4]);
     let few = "[design]\nradial = [8, 9, 20]\ntable = [6, 12]\n[machine]\nlanes = [1, 2]\n";
     // Every bit of a table is dear, and the search begins with 12 of them.
     let all = "[design]\nradial = { from = 8, to = 27 }\ntable = [12]\n";
-    for (subject, text, limit) in [
-        (&one, few, limit(Quantity::PsnrDb, 10.0)),
-        (&one, few, limit(Quantity::FramesPerSecond, 1.0)),
-        (&one, all, limit(Quantity::PsnrDb, 10.0)),
-        (&many, all, limit(Quantity::PsnrDb, 10.0)),
+    for (is_one, text, limit) in [
+        (true, few, limit(Quantity::PsnrDb, 10.0)),
+        (true, few, limit(Quantity::FramesPerSecond, 1.0)),
+        (true, all, limit(Quantity::PsnrDb, 10.0)),
+        (false, all, limit(Quantity::PsnrDb, 10.0)),
     ] {
-        let answer = optimize(subject, &[limit], &space(text), &|_| ()).unwrap();
+        let evaluator = if is_one { &mut one } else { &mut many };
+        let answer = optimize(evaluator, &[limit], &space(text), &|_| ()).unwrap();
         assert!(answer.holds, "{}", answer.text());
     }
-    let refused = one.choice(&space(all), &[0, 0]).unwrap_err().to_string();
+    let refused = one
+        .subject
+        .choice(&space(all), &[0, 0])
+        .unwrap_err()
+        .to_string();
     assert!(
         refused.contains("radial = 8") && !refused.contains("toml"),
         "{refused}"

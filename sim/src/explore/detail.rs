@@ -6,7 +6,7 @@ use super::evaluator::Evaluator;
 use super::limits::{Limit, are_held};
 use super::search::EXCHANGED;
 use super::space::{Space, SpaceAxis};
-use super::subject::{Choice, Subject};
+use super::subject::Choice;
 use crate::machine::energy::Energy;
 use crate::machine::lanes::{LaneShape, LaneWork};
 use crate::machine::simulate;
@@ -48,7 +48,7 @@ pub struct Knob {
 
 /// Of the first machine of an answer; nothing if it has none.
 pub fn detail(
-    subject: &Subject,
+    evaluator: &Evaluator,
     limits: &[Limit],
     space: &Space,
     answer: &Answer,
@@ -56,8 +56,7 @@ pub fn detail(
     let Some(found) = answer.found.first() else {
         return Ok(None);
     };
-    let choice = subject.choice(space, &found.point)?;
-    let evaluator = Evaluator::new(subject, false);
+    let choice = evaluator.subject.choice(space, &found.point)?;
     let costs = evaluator.on_all_frames(&choice)?;
     let by_cycles = |frame: &usize| costs[*frame].pace.cycles_per_frame;
     let slowest = (0..costs.len())
@@ -69,7 +68,7 @@ pub fn detail(
     let timing = simulate(&workload, &work, machine);
     let watched = watch(&workload, &work, machine, &timing);
     let energy = evaluator.energy(&choice, &timing);
-    let knobs = knobs(&evaluator, limits, space, (&choice, found), slowest)?;
+    let knobs = knobs(evaluator, limits, space, (&choice, found), slowest)?;
     Ok(Some(Detail {
         timing,
         watched,
@@ -92,8 +91,9 @@ fn knobs(
         let Some(place) = place_of(axis, &choice.variant.design, &choice.machine) else {
             continue;
         };
-        let steps = [place.checked_sub(1), place.checked_add(1)];
-        let steps = steps.into_iter().flatten();
+        let steps = [place.checked_sub(1), Some(place + 1)]
+            .into_iter()
+            .flatten();
         for to in steps.filter_map(|to| axis.values.get(to)) {
             let mut machine = choice.machine;
             machine.set("space", &axis.key, to)?;

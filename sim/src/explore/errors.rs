@@ -93,29 +93,29 @@ impl DesignError {
     /// Over several pictures: the largest error, percentile and FLIP of any, the root of the mean square, and the means
     /// of bias and similarity.
     pub fn over(all: &[DesignError]) -> DesignError {
-        let [one] = all else {
-            let count = all.len().max(1) as f64;
-            let mean = |of: fn(&DesignError) -> f64| all.iter().map(of).sum::<f64>() / count;
-            let details: Option<Vec<ErrorDetail>> = all.iter().map(|one| one.detail).collect();
-            let over = |details: Vec<ErrorDetail>| {
-                let most = |of: fn(&ErrorDetail) -> f64| details.iter().map(of).fold(0.0, f64::max);
-                ErrorDetail {
-                    ssim: details.iter().map(|one| one.ssim).sum::<f64>() / count,
-                    percentiles: Percentiles {
-                        p95: most(|one| one.percentiles.p95),
-                        p99: most(|one| one.percentiles.p99),
-                    },
-                    flip: most(|one| one.flip),
-                }
-            };
-            return DesignError {
-                max_abs: all.iter().map(|one| one.max_abs).fold(0.0, f64::max),
-                rms: mean(|one| one.rms * one.rms).sqrt(),
-                bias: mean(|one| one.bias),
-                detail: details.map(over),
-            };
+        if let [one] = all {
+            return *one;
+        }
+        let count = all.len().max(1) as f64;
+        let mean = |of: fn(&DesignError) -> f64| all.iter().map(of).sum::<f64>() / count;
+        let details: Option<Vec<ErrorDetail>> = all.iter().map(|one| one.detail).collect();
+        let over = |details: Vec<ErrorDetail>| {
+            let most = |of: fn(&ErrorDetail) -> f64| details.iter().map(of).fold(0.0, f64::max);
+            ErrorDetail {
+                ssim: details.iter().map(|one| one.ssim).sum::<f64>() / count,
+                percentiles: Percentiles {
+                    p95: most(|one| one.percentiles.p95),
+                    p99: most(|one| one.percentiles.p99),
+                },
+                flip: most(|one| one.flip),
+            }
         };
-        *one
+        DesignError {
+            max_abs: all.iter().map(|one| one.max_abs).fold(0.0, f64::max),
+            rms: mean(|one| one.rms * one.rms).sqrt(),
+            bias: mean(|one| one.bias),
+            detail: details.map(over),
+        }
     }
 
     /// Peak signal-to-noise ratio, decibels; infinite for equal pictures.

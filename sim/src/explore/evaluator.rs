@@ -10,6 +10,7 @@ use super::bounds::FrameCounts;
 use super::cache::{Cache, locked};
 pub use super::errors::{DesignError, ErrorDetail};
 use super::errors::{errors_inside, worst};
+use super::limits::Limit;
 use super::subject::{Choice, Subject};
 use crate::design::traversal_name;
 use crate::fixed::{Canvas, QuantisedScene};
@@ -22,7 +23,7 @@ use crate::machine::summary::Spread;
 use crate::machine::workload::Workload;
 use crate::machine::{Timing, simulate};
 use crate::picture::Picture;
-use crate::plan::{self, DesignVariant, Engine, Prepared};
+use crate::plan::{DesignVariant, Engine};
 use anyhow::Result;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -91,13 +92,8 @@ type DesignKey = ([u8; 13], u8, &'static str);
 type WorkKey = (DesignKey, [u16; 2]);
 
 fn design_key(variant: &DesignVariant) -> DesignKey {
-    let widths = &variant.design.widths;
-    let rounding = widths.rounding as u8;
-    (
-        widths.numbers(),
-        rounding,
-        traversal_name(variant.traversal),
-    )
+    let (widths, traversal) = (&variant.design.widths, traversal_name(variant.traversal));
+    (widths.numbers(), widths.rounding as u8, traversal)
 }
 
 /// What a choice's rows depend on, in an order in which equal ones are neighbours.
@@ -111,13 +107,13 @@ pub fn work_key(choice: &Choice) -> WorkKey {
 pub type Sink<'a> = &'a (dyn Fn(usize, Vec<FrameCost>) -> Result<()> + Sync);
 
 /// Evaluates choices on the frames of a subject.
-pub struct Evaluator<'a> {
+pub struct Evaluator {
     /// What is explored.
-    pub subject: &'a Subject<'a>,
+    pub subject: Subject,
     /// What lanes compute in, if not in fixed point.
     pub format: Option<Engine>,
     detail: bool,
-    scenes: Vec<Option<QuantisedScene>>,
+    scenes: Cache<usize, Option<Arc<QuantisedScene>>>,
     errors: Cache<(DesignKey, usize), DesignError>,
     workloads: Cache<(WorkKey, usize), Arc<Workload>>,
     groupings: Cache<(WorkKey, usize, LaneShape), Arc<LaneWork>>,
@@ -128,21 +124,14 @@ pub struct Evaluator<'a> {
     worst: Mutex<HashMap<usize, Vec<Window>>>,
 }
 
-impl<'a> Evaluator<'a> {
+impl Evaluator {
     /// Nothing evaluated yet; the detail of errors is measured only if it is asked for.
-    pub fn new(subject: &'a Subject<'a>, detail: bool) -> Evaluator<'a> {
-        let with_references = subject.frames.iter().zip(&subject.references);
-        let quantised = |(frame, _): (&&Prepared, &Picture)| match frame.subject() {
-            Ok(plan::Subject::Splats(s)) if s.are_composited() => {
-                Some(QuantisedScene::new(s.scene, s.camera, s.rules))
-            }
-            _ => None,
-        };
+    pub fn new(subject: Subject, detail: bool) -> Evaluator {
         Evaluator {
             subject,
             format: None,
             detail,
-            scenes: with_references.map(quantised).collect(),
+            scenes: Cache::of_all(),
             errors: Cache::of_all(),
             workloads: Cache::new(MOST_BYTES, |work| work.bytes()),
             groupings: Cache::new(MOST_BYTES, |work| work.bytes()),
@@ -150,6 +139,12 @@ impl<'a> Evaluator<'a> {
             canvases: Mutex::default(),
             worst: Mutex::default(),
         }
+    }
+
+    /// The same, with the detail that these limits ask for.
+    pub fn within(subject: Subject, limits: &[Limit]) -> Evaluator {
+        let detail = limits.iter().any(|limit| limit.quantity.is_detail());
+        Evaluator::new(subject, detail)
     }
 
     /// From here on lanes compute in a floating-point format. Rows stay those of the fixed design.
@@ -161,6 +156,15 @@ impl<'a> Evaluator<'a> {
     /// The lane of the format.
     pub fn lane(&self) -> Option<FloatLane> {
         self.format.and_then(Engine::lane)
+    }
+
+    /// A frame's scene in the kernel's formats, if its footprints are composited one by one.
+    fn scene(&self, frame: usize) -> Result<Option<Arc<QuantisedScene>>> {
+        self.scenes.get(frame, || {
+            let splats = self.subject.frames[frame].splats().ok();
+            let scene = splats.map(|s| QuantisedScene::new(s.scene, s.camera, s.rules));
+            Ok(scene.map(Arc::new))
+        })
     }
 
     /// The errors of a design over some frames; nothing without references.
@@ -176,11 +180,11 @@ impl<'a> Evaluator<'a> {
                     let drawing = self.subject.frames[*frame].draw_reference(format, &|_, _| ())?;
                     return self.compared(&drawing.picture, reference);
                 }
-                let Some(Some(scene)) = self.scenes.get(*frame) else {
-                    let prepared = self.subject.frames[*frame];
+                let Some(scene) = self.scene(*frame)? else {
+                    let prepared = &self.subject.frames[*frame];
                     return self.compared(&prepared.picture_of(variant)?, reference);
                 };
-                let found = self.on_canvas(scene, variant, *frame, None, |picture| {
+                let found = self.on_canvas(&scene, variant, *frame, None, |picture| {
                     (self.compared(picture, reference), worst(picture, reference))
                 })?;
                 self.remember(*frame, found.1);
@@ -210,12 +214,12 @@ impl<'a> Evaluator<'a> {
             let known = self.errors.known(&(design_key(variant), *frame));
             let windows = locked(&self.worst);
             let windows = windows.get(frame).cloned().unwrap_or_default();
-            all.push(match (known, self.scenes.get(*frame)) {
+            all.push(match (known, self.scene(*frame)?) {
                 (Some(known), _) => known,
-                (None, Some(Some(scene))) if !windows.is_empty() => {
+                (None, Some(scene)) if !windows.is_empty() => {
                     let reference = &self.subject.references[*frame];
                     let of = |picture: &Picture| errors_inside(picture, reference, &windows);
-                    self.on_canvas(scene, variant, *frame, Some(&windows), of)?
+                    self.on_canvas(&scene, variant, *frame, Some(&windows), of)?
                 }
                 _ => DesignError::default(),
             });
@@ -332,7 +336,7 @@ impl<'a> Evaluator<'a> {
     /// The rows of a frame by a choice's design, in its machine's tiles.
     pub fn workload(&self, choice: &Choice, frame: usize) -> Result<Arc<Workload>> {
         let (_, tile) = work_key(choice);
-        let frame = self.subject.frames[frame];
+        let frame = &self.subject.frames[frame];
         Ok(Arc::new(frame.workload_of(&choice.variant, tile)?))
     }
 
@@ -392,8 +396,7 @@ impl<'a> Evaluator<'a> {
             area: self.area(choice),
             millijoules: costs
                 .iter()
-                .map(|cost| cost.millijoules)
-                .fold(0.0, f64::max),
+                .fold(0.0, |most, cost| cost.millijoules.max(most)),
             slowest,
             frames: costs.len(),
         }

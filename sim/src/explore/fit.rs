@@ -11,7 +11,6 @@ use super::formats::{FormatRow, beside_design};
 use super::limits::Limit;
 use super::search::Search;
 use super::space::Space;
-use super::subject::Subject;
 use crate::design::ResolvedDesign;
 use anyhow::{Context, Result};
 use serde::Serialize;
@@ -29,9 +28,9 @@ pub struct Fit {
     /// Its errors.
     pub error: DesignError,
     /// Errors with one bit less in one width; a width at its lower limit is left out.
-    pub one_bit_less: BTreeMap<&'static str, DesignError>,
+    pub one_bit_less: BTreeMap<String, DesignError>,
     /// The width whose last bit matters most for the limits.
-    pub binding: Option<&'static str>,
+    pub binding: Option<String>,
     /// Designs drawn.
     pub drawings: usize,
     /// Floating-point formats beside it, if they were asked for.
@@ -42,12 +41,12 @@ pub struct Fit {
 /// Fits a design, starting from the subject's. Nothing if that itself misses a limit; then its error is the second
 /// part.
 pub fn fit(
-    subject: &Subject,
+    evaluator: &mut Evaluator,
     limits: &[Limit],
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<(Option<Fit>, DesignError)> {
     let mut text = "[design]\n".to_owned();
-    let widths = subject.design.widths;
+    let widths = evaluator.subject.design.widths;
     for (&(name, mut low, _), bits) in WIDTH_RANGES.iter().zip(widths.numbers()) {
         if name == "radial" {
             // Lower, the table that it begins with is refused.
@@ -56,10 +55,8 @@ pub fn fit(
         text += &format!("{name} = {{ from = {low}, to = {bits} }}\n");
     }
     let space = Space::without_points("the design's widths", &text)?;
-    let detail = limits.iter().any(|limit| limit.quantity.is_detail());
-    let mut evaluator = Evaluator::new(subject, detail);
-    let frames = (0..subject.frames.len()).collect();
-    let mut search = Search::new(&evaluator, &space, limits, frames, progress);
+    let frames = (0..evaluator.subject.frames.len()).collect();
+    let mut search = Search::new(evaluator, &space, limits, frames, progress);
 
     let last = space.axes.iter().map(|axis| axis.values.len() - 1);
     let start: Vec<usize> = last.collect();
@@ -81,23 +78,21 @@ pub fn fit(
     let point = search.lower_widths(start, &axes, false)?;
     let error = errors(&mut search, &point)?;
     let mut one_bit_less = BTreeMap::new();
-    for (name, ..) in WIDTH_RANGES {
-        let axis = space.axes.iter().position(|axis| axis.key == name);
-        let Some(axis) = axis.filter(|axis| point[*axis] > 0) else {
-            continue;
-        };
+    for (place, axis) in space.axes.iter().enumerate() {
         let mut less = point.clone();
-        less[axis] -= 1;
-        one_bit_less.insert(name, errors(&mut search, &less)?);
+        if less[place] > 0 {
+            less[place] -= 1;
+            one_bit_less.insert(axis.key.clone(), errors(&mut search, &less)?);
+        }
     }
     let less = one_bit_less.iter();
     let binding = less.max_by(|a, b| excess(a.1).total_cmp(&excess(b.1)));
-    let binding = binding.map(|(name, _)| *name);
+    let binding = binding.map(|(name, _)| name.clone());
     let fitted = search.choice(&point)?.variant;
     let drawings = search.designs();
-    let formats = match subject.formats[..] {
+    let formats = match evaluator.subject.formats[..] {
         [] => Vec::new(),
-        _ => beside_design(&mut evaluator, &fitted, limits)?,
+        _ => beside_design(evaluator, &fitted, limits)?,
     };
     let mut design = fitted.design;
     design.traversal = fitted.traversal;
@@ -145,14 +140,15 @@ mod tests {
 
     #[test]
     fn a_fitted_design_is_within_the_budget_and_minimal() {
-        let subject = subject(&[1.0]);
+        let mut evaluator = Evaluator::new(subject(&[1.0]), false);
         let limit = |bound| [Limit::new(Quantity::RmsError, bound, "test")];
-        let (fitted, _) = fit(&subject, &limit(1e-3), &|_| ()).unwrap();
+        let (fitted, _) = fit(&mut evaluator, &limit(1e-3), &|_| ()).unwrap();
         let fitted = fitted.unwrap();
         assert!(fitted.error.rms <= 1e-3);
         let mut less = fitted.one_bit_less.values();
         assert!(less.all(|error| error.rms > 1e-3), "{fitted:?}");
         assert!(fitted.widths["mantissa"] < 24 && fitted.binding.is_some());
-        assert_eq!(fit(&subject, &limit(0.0), &|_| ()).unwrap().0, None);
+        let refused = fit(&mut evaluator, &limit(0.0), &|_| ()).unwrap();
+        assert_eq!(refused.0, None);
     }
 }

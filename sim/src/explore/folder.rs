@@ -3,7 +3,8 @@
 
 use super::cache::locked;
 use super::identity::Identity;
-use super::table::{ResultTable, row_digest, to_line, whole_lines};
+use super::space::Space;
+use super::table::{ResultTable, heading, row_digest, to_line, whole_lines};
 use crate::input;
 use anyhow::{Context, Result, anyhow, bail};
 use std::fs::{File, OpenOptions};
@@ -13,6 +14,8 @@ use std::sync::Mutex;
 
 /// The file of a folder's identity.
 const IDENTITY: &str = "sweep.json";
+/// Differences of two sweeps that a message lists at most.
+const FEW: usize = 6;
 
 /// Makes sure that the folder holds this sweep or none: results of different sweeps never share a table.
 pub fn claim(folder: &Path, identity: &Identity) -> Result<()> {
@@ -31,31 +34,32 @@ pub fn claim(folder: &Path, identity: &Identity) -> Result<()> {
         return Ok(());
     }
     let known = Identity::parse(&text).with_context(|| shown.clone())?;
-    if identity.differences(&known).is_empty() {
-        Ok(())
-    } else {
-        bail!(
-            "'{}' holds another sweep ({shown}): choose another folder with -o. It differs in{}",
-            folder.display(),
-            identity.difference_text(&known)
-        )
+    let mut differences = identity.differences(&known);
+    if differences.is_empty() {
+        return Ok(());
     }
+    if let Some(more @ 1..) = differences.len().checked_sub(FEW) {
+        differences.truncate(FEW);
+        differences.push(format!("and {more} more"));
+    }
+    bail!(
+        "'{}' holds another sweep ({shown}): choose another folder with -o. It differs in\n  {}",
+        folder.display(),
+        differences.join("\n  ")
+    )
 }
 
-/// Reads a table and checks it against its sweep.
-pub fn table(path: &Path, identity: &Identity) -> Result<ResultTable> {
+/// Reads a table and checks it against its space.
+pub fn table(path: &Path, space: &Space) -> Result<ResultTable> {
     let shown = path.display();
     let text =
         input::own_text(path, input::TABLE).with_context(|| format!("cannot read '{shown}'"))?;
-    checked(&text, identity).map_err(|problem| anyhow!("{shown}: {problem}"))
+    checked(&text, space).map_err(|problem| anyhow!("{shown}: {problem}"))
 }
 
-fn checked(text: &str, identity: &Identity) -> Result<ResultTable> {
-    let space = identity.space()?;
-    let table = ResultTable::from_csv(text).map_err(anyhow::Error::msg)?;
-    table
-        .check(&space, identity.has_errors())
-        .map_err(anyhow::Error::msg)?;
+fn checked(text: &str, space: &Space) -> Result<ResultTable, String> {
+    let table = ResultTable::from_csv(text)?;
+    table.check(space)?;
     Ok(table)
 }
 
@@ -67,48 +71,39 @@ fn open(path: &Path) -> io::Result<File> {
         .open(path)
 }
 
+/// A table's file behind its last whole line, and the lines.
+fn open_whole(path: &Path, heading: &[String]) -> io::Result<(File, String)> {
+    let mut file = open(path)?;
+    let mut text = String::new();
+    file.read_to_string(&mut text)?;
+    text.truncate(whole_lines(&text));
+    file.set_len(text.len() as u64)?;
+    if text.is_empty() {
+        text = to_line(heading);
+        file.write_all(text.as_bytes())?;
+    }
+    Ok((file, text))
+}
+
 /// Appends lines from any thread.
 pub struct Appender(Mutex<File>);
 
 impl Appender {
-    /// Opens the file, which is made with its heading if need be, and cuts off a broken last line. Also the text that
-    /// it holds.
-    pub fn open(path: &Path, heading: &[String]) -> io::Result<(Appender, String)> {
-        let mut file = open(path)?;
-        let mut text = String::new();
-        file.read_to_string(&mut text)?;
-        text.truncate(whole_lines(&text));
-        file.set_len(text.len() as u64)?;
-        if text.is_empty() {
-            text = to_line(heading);
-            file.write_all(text.as_bytes())?;
-        }
-        Ok((Appender(Mutex::new(file)), text))
-    }
-
-    /// Opens a sweep's table, and reads what is done already.
-    pub fn resume(
-        path: &Path,
-        heading: &[String],
-        identity: &Identity,
-    ) -> Result<(Appender, ResultTable)> {
+    /// Opens a sweep's table, which is made with its heading if need be, cuts off a broken last line, and reads what is
+    /// done already.
+    pub fn open(path: &Path, space: &Space) -> Result<(Appender, ResultTable)> {
         let shown = path.display();
-        let (appender, text) =
-            Appender::open(path, heading).with_context(|| format!("cannot write '{shown}'"))?;
-        let table = checked(&text, identity).map_err(|problem| anyhow!("{shown}: {problem}"))?;
-        Ok((appender, table))
+        let opened = open_whole(path, &heading(space));
+        let (file, text) = opened.with_context(|| format!("cannot write '{shown}'"))?;
+        let table = checked(&text, space).map_err(|problem| anyhow!("{shown}: {problem}"))?;
+        Ok((Appender(Mutex::new(file)), table))
     }
 
     /// Appends a row of these fields, and its digest.
-    pub fn append(&self, fields: &[String]) -> io::Result<()> {
-        let mut row = fields.to_vec();
-        row.push(row_digest(fields));
-        self.append_line(&to_line(&row))
-    }
-
-    fn append_line(&self, line: &str) -> io::Result<()> {
+    pub fn append(&self, mut fields: Vec<String>) -> io::Result<()> {
+        fields.push(row_digest(&fields));
         let mut file = locked(&self.0);
-        file.write_all(line.as_bytes())?;
+        file.write_all(to_line(&fields).as_bytes())?;
         file.flush()
     }
 }
@@ -116,38 +111,31 @@ impl Appender {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn heading() -> Vec<String> {
-        ["point", "a"].map(str::to_owned).to_vec()
-    }
+    use crate::explore::table::RESULTS;
 
     /// Whatever byte an interruption cuts the table at, the sweep goes on with the whole lines, and ends with the same
-    /// table.
+    /// table; a new one has its heading.
     #[test]
     fn a_table_cut_anywhere_is_continued() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("points.csv");
-        let lines = ["0,5\n", "1,16\n", "2,270\n"];
-        let whole = format!("point,a\n{}", lines.concat());
-        for length in 0..=whole.len() {
-            std::fs::write(&path, &whole[..length]).unwrap();
-            let done = ResultTable::from_csv(&std::fs::read_to_string(&path).unwrap()).unwrap();
-            let (out, _) = Appender::open(&path, &heading()).unwrap();
-            for (point, line) in lines.iter().enumerate() {
-                match done.rows.get(&point) {
-                    Some(kept) => assert_eq!(to_line(kept), *line, "cut at {length}"),
-                    None => out.append_line(line).unwrap(),
+        let space = Space::from_toml("s.toml", "[machine]\nlanes = [1, 2, 4]\n").unwrap();
+        let written = || {
+            let (out, done) = Appender::open(&path, &space).unwrap();
+            for (point, lanes) in [1, 2, 4].iter().enumerate() {
+                if !done.rows.contains_key(&point) {
+                    let mut fields = vec![point.to_string(), lanes.to_string()];
+                    fields.resize(2 + RESULTS.len(), "x".to_owned());
+                    out.append(fields).unwrap();
                 }
             }
-            assert_eq!(std::fs::read_to_string(&path).unwrap(), whole, "{length}");
+            std::fs::read_to_string(&path).unwrap()
+        };
+        let whole = written();
+        assert_eq!(whole.lines().next().unwrap(), heading(&space).join(","));
+        for length in 0..=whole.len() {
+            std::fs::write(&path, &whole[..length]).unwrap();
+            assert_eq!(written(), whole, "cut at {length}");
         }
-    }
-
-    #[test]
-    fn a_new_table_has_its_heading() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("points.csv");
-        Appender::open(&path, &heading()).unwrap();
-        assert_eq!(std::fs::read_to_string(&path).unwrap(), "point,a\n");
     }
 }

@@ -62,7 +62,7 @@ fn row(
     error: Option<DesignError>,
     limits: &[Limit],
 ) -> FormatRow {
-    let (subject, lane) = (evaluator.subject, evaluator.lane());
+    let (subject, lane) = (&evaluator.subject, evaluator.lane());
     let prices = &subject.calibration;
     let units = match &lane {
         Some(lane) => lane.units(prices.family),
@@ -87,9 +87,9 @@ fn rows(
     row: impl Fn(&Evaluator, &[usize]) -> Result<FormatRow>,
 ) -> Result<Vec<FormatRow>> {
     let all: Vec<usize> = (0..evaluator.subject.frames.len()).collect();
-    let formats = evaluator.subject.formats.iter().copied().map(Some);
+    let formats = evaluator.subject.formats.clone();
     let mut rows = Vec::new();
-    for format in std::iter::once(None).chain(formats) {
+    for format in std::iter::once(None).chain(formats.into_iter().map(Some)) {
         evaluator.draw_in(format);
         rows.push(row(evaluator, &all)?);
     }
@@ -145,44 +145,42 @@ pub(super) fn beside_point(
 
 /// Headings and lines of a table for people.
 pub fn table(rows: &[FormatRow]) -> (Vec<&'static str>, Vec<Vec<String>>) {
-    type FormatColumn = (&'static str, fn(&FormatRow) -> String);
-    fn error(row: &FormatRow, show: fn(DesignError) -> String) -> String {
-        row.error.map_or_else(|| "-".to_owned(), show)
-    }
-    fn machine(row: &FormatRow, show: fn(&MachineInFormat) -> String) -> String {
-        row.machine.as_ref().map_or_else(String::new, show)
-    }
-    let mut columns: Vec<FormatColumn> = vec![
-        ("format", |row| row.format.to_owned()),
-        ("PSNR dB", |row| error(row, |e| decibels(e.psnr_db()))),
-        ("largest", |row| {
-            error(row, |e| format!("{:.2e}", e.max_abs))
-        }),
-        ("bias", |row| error(row, |e| format!("{:+.2e}", e.bias))),
-        ("transistors a lane", |row| row.transistors.to_string()),
-        ("LUT a lane", |row| format!("{:.0}", row.lane_luts)),
-        ("pJ a pixel", |row| format!("{:.1}", row.pj_per_pixel)),
-    ];
-    let of_machines: [FormatColumn; 3] = [
-        ("LUT in all", |row| {
-            machine(row, |m| format!("{:.0}", m.luts_in_all))
-        }),
-        ("frames/s", |row| {
-            machine(row, |m| format!("{:.2}", m.frames_per_s))
-        }),
-        ("mJ a frame", |row| {
-            machine(row, |m| format!("{:.3}", m.mj_per_frame))
-        }),
+    let mut headings = vec![
+        "format",
+        "PSNR dB",
+        "largest",
+        "bias",
+        "transistors a lane",
+        "LUT a lane",
+        "pJ a pixel",
     ];
     if rows.iter().any(|row| row.machine.is_some()) {
-        columns.extend(of_machines);
+        headings.extend(["LUT in all", "frames/s", "mJ a frame"]);
     }
-    columns.push(("holds", |row| {
-        if row.holds { "yes" } else { "no" }.to_owned()
-    }));
-    let line = |row: &FormatRow| columns.iter().map(|(_, cell)| cell(row)).collect();
-    let headings = columns.iter().map(|(heading, _)| *heading);
-    (headings.collect(), rows.iter().map(line).collect())
+    headings.push("holds");
+    (headings, rows.iter().map(line).collect())
+}
+
+fn line(row: &FormatRow) -> Vec<String> {
+    let error = |show: fn(DesignError) -> String| row.error.map_or("-".to_owned(), show);
+    let mut cells = vec![
+        row.format.to_owned(),
+        error(|e| decibels(e.psnr_db())),
+        error(|e| format!("{:.2e}", e.max_abs)),
+        error(|e| format!("{:+.2e}", e.bias)),
+        row.transistors.to_string(),
+        format!("{:.0}", row.lane_luts),
+        format!("{:.1}", row.pj_per_pixel),
+    ];
+    if let Some(machine) = &row.machine {
+        cells.extend([
+            format!("{:.0}", machine.luts_in_all),
+            format!("{:.2}", machine.frames_per_s),
+            format!("{:.3}", machine.mj_per_frame),
+        ]);
+    }
+    cells.push(if row.holds { "yes" } else { "no" }.to_owned());
+    cells
 }
 
 /// Which is cheapest of those that hold all limits, and by how much.

@@ -6,25 +6,21 @@
 //! camera, rules, design, machine and prices by all their values. Results may share a table only if all of it is equal,
 //! and where it is not, the message says what differs.
 
-use super::space::Space;
 use super::subject::Subject;
 use crate::design::traversal_name;
 use crate::difference::{Difference, differences};
 use crate::digest::Digest;
-use crate::input::Refused;
 use crate::machine::area::synthesis;
 use crate::machine::config;
 use crate::plan::{Prepared, Subject as Drawn};
 use crate::scene::points::SurfaceScene;
 use crate::scene::{Harmonics, Scene, Weight};
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, ensure};
 use serde_json::{Value, json};
 use std::collections::HashMap;
 
 /// Version of `sweep.json`; tables of another version are never taken for ours.
 const FORMAT: &str = "splatline-sweep/7";
-/// Differences that a message lists at most.
-const FEW: usize = 6;
 
 /// The facts of a sweep.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,7 +38,7 @@ impl Identity {
             .map(|(role, text)| ((*role).to_owned(), of_bytes(text.as_bytes()).into()))
             .collect();
         let (first, more) = subject.frames.split_first().context("there is no frame")?;
-        let mut scenes = SceneDigests::default();
+        let known = &mut SceneDigests::new();
         let look = technique(first)?;
         Ok(Identity(json!({
             "format": FORMAT,
@@ -50,10 +46,10 @@ impl Identity {
             "scene": {
                 "name": first.scene.name(),
                 "splats": first.scene.len(),
-                "sha256": scenes.of(first)?,
+                "sha256": scene_digest(first, known)?,
             },
             "camera": first.plan.camera,
-            "more_frames": more.iter().map(|frame| scenes.frame(frame)).collect::<Result<Vec<_>>>()?,
+            "more_frames": more.iter().map(|frame| further(frame, known)).collect::<Result<Vec<_>>>()?,
             "rules": look["rules"],
             "compositing": look["compositing"],
             "design": subject.design.resolved(),
@@ -71,13 +67,13 @@ impl Identity {
     /// Reads the text of a `sweep.json`.
     pub fn parse(text: &str) -> Result<Identity> {
         let facts: Value = serde_json::from_str(text).context("not the JSON of a sweep")?;
-        match facts.get("format").and_then(Value::as_str) {
-            Some(FORMAT) => Ok(Identity(facts)),
-            Some(other) => bail!(
-                "format is '{other}', this program's is '{FORMAT}': run the sweep again in a new folder"
-            ),
-            None => bail!("no \"format\": not the identity of a sweep"),
-        }
+        let format = facts["format"].as_str();
+        let format = format.context("no \"format\": not the identity of a sweep")?;
+        ensure!(
+            format == FORMAT,
+            "format is '{format}', this program's is '{FORMAT}': run the sweep again in a new folder"
+        );
+        Ok(Identity(facts))
     }
 
     /// The text of a `sweep.json`.
@@ -85,33 +81,11 @@ impl Identity {
         format!("{:#}\n", self.0)
     }
 
-    /// The space that its tables must fill.
-    pub fn space(&self) -> Result<Space, Refused> {
-        let text = self.0.get("space").and_then(Value::as_str);
-        Space::from_toml("space in sweep.json", text.unwrap_or_default())
-    }
-
-    /// Do its tables hold errors?
-    pub fn has_errors(&self) -> bool {
-        self.0.get("errors").and_then(Value::as_bool) == Some(true)
-    }
-
     /// Where `known` and this one differ, one line each; empty if they are the same sweep.
     pub fn differences(&self, known: &Identity) -> Vec<String> {
-        let found = differences(&known.0, &self.0);
-        let line = |d: &Difference| format!("{}: {} there, {} here", d.place, d.first, d.second);
-        found.iter().map(line).collect()
-    }
-
-    /// The differences as the end of a message.
-    pub fn difference_text(&self, known: &Identity) -> String {
-        let all = self.differences(known);
-        let more = match all.len().saturating_sub(FEW) {
-            0 => String::new(),
-            more => format!("\n  and {more} more"),
-        };
-        let few: Vec<&str> = all.iter().take(FEW).map(String::as_str).collect();
-        format!("\n  {}{more}", few.join("\n  "))
+        let line = |d: Difference| format!("{}: {} there, {} here", d.place, d.first, d.second);
+        let found = differences(&known.0, &self.0).into_iter();
+        found.map(line).collect()
     }
 }
 
@@ -125,32 +99,28 @@ fn technique(frame: &Prepared) -> Result<Value> {
 }
 
 /// Digests of scenes by where they lie, since many frames may share one.
-#[derive(Default)]
-struct SceneDigests(HashMap<*const (), String>);
+type SceneDigests = HashMap<*const (), String>;
 
-impl SceneDigests {
-    fn of(&mut self, frame: &Prepared) -> Result<String> {
-        Ok(match frame.subject()? {
-            Drawn::Splats(splats) => self.known(splats.scene, of_scene),
-            Drawn::Surface(scene, _) => self.known(scene, of_surface),
-        })
-    }
+fn scene_digest(frame: &Prepared, known: &mut SceneDigests) -> Result<String> {
+    let known = match frame.subject()? {
+        Drawn::Splats(splats) => known
+            .entry(std::ptr::from_ref(splats.scene).cast())
+            .or_insert_with(|| of_scene(splats.scene)),
+        Drawn::Surface(scene, _) => known
+            .entry(std::ptr::from_ref(scene).cast())
+            .or_insert_with(|| of_surface(scene)),
+    };
+    Ok(known.clone())
+}
 
-    fn known<T>(&mut self, scene: &T, digest: fn(&T) -> String) -> String {
-        let place = std::ptr::from_ref(scene).cast();
-        let known = self.0.entry(place).or_insert_with(|| digest(scene));
-        known.clone()
-    }
-
-    /// Scene, camera and rules of a further frame.
-    fn frame(&mut self, frame: &Prepared) -> Result<Value> {
-        Ok(json!({
-            "scene": frame.scene.name(),
-            "sha256": self.of(frame)?,
-            "camera": frame.plan.camera,
-            "rules": technique(frame)?["rules"],
-        }))
-    }
+/// Scene, camera and rules of a further frame.
+fn further(frame: &Prepared, known: &mut SceneDigests) -> Result<Value> {
+    Ok(json!({
+        "scene": frame.scene.name(),
+        "sha256": scene_digest(frame, known)?,
+        "camera": frame.plan.camera,
+        "rules": technique(frame)?["rules"],
+    }))
 }
 
 fn of_bytes(bytes: &[u8]) -> String {

@@ -75,7 +75,7 @@ struct PointsData<'a> {
 fn points(table: &ResultTable, candidates: &[Candidate], front: &[&Candidate]) -> String {
     let shown = table.heading.len().saturating_sub(1);
     let columns = &table.heading[..shown];
-    let is_axis = |name: &&str| *name != "point" && RESULTS.iter().all(|(other, ..)| other != name);
+    let is_axis = |name: &&str| *name != "point" && RESULTS.iter().all(|(other, _)| other != name);
     let axes: Vec<&str> = columns.iter().map(String::as_str).filter(is_axis).collect();
     let row = |candidate: &Candidate| table.rows.get(&candidate.point)?.get(..shown);
     let rows: Vec<&[String]> = candidates.iter().filter_map(row).collect();

@@ -25,7 +25,7 @@ const FIFOS: [&str; 5] = [
 ];
 
 /// What is needed.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Needs {
     /// Units by name, with the reason where one is not needed.
     pub units: BTreeMap<&'static str, String>,
@@ -80,16 +80,10 @@ pub fn needs(
         .iter()
         .map(|footprint| f64::from(footprint.opacity) / f64::from(peak_bits).exp2());
     let (least, highest) = (exponents.clone().min(), peaks.clone().reduce(f64::max));
-    let work = LaneWork::new(workload, LaneShape::from(machine));
-    let (fifo_depths, fifo_high_water, cycles) = depths(workload, &work, machine);
     let finished = totals.covered - totals.live;
     let runs = workload.rows.iter().map(|row| row.length);
     let lists = (0..workload.tiles.len()).map(|tile| workload.pairs_in(tile).len());
     let mut needs = Needs {
-        units: BTreeMap::new(),
-        fifo_depths,
-        fifo_high_water,
-        cycles,
         deepest_pixel: statistics.layers_per_pixel.largest as u32,
         longest_tile_list: lists.max().unwrap_or(0) as u32,
         visible: footprints.len(),
@@ -101,12 +95,41 @@ pub fn needs(
         peaks: highest.zip(peaks.reduce(f64::min)).map(<[f64; 2]>::from),
         finished_part: part(finished, totals.covered as usize),
         empty_pairs_part: part(empty, workload.pairs.len()),
+        ..Needs::default()
     };
+    needs.find_depths(workload, machine);
     needs.judge_units(workload, statistics.finished_tiles, alpha_max);
     needs
 }
 
 impl Needs {
+    fn find_depths(&mut self, workload: &Workload, machine: &Config) {
+        let work = LaneWork::new(workload, LaneShape::from(machine));
+        let mut deep = *machine;
+        let set = |config: &mut Config, name: &str, depth: u32| {
+            let set = config.set("profile", name, &toml::Value::from(depth));
+            set.expect("every depth tried is one that a FIFO can have");
+        };
+        FIFOS.iter().for_each(|name| set(&mut deep, name, DEEP));
+        let best = simulate(workload, &work, &deep);
+        self.cycles = best.total;
+        let fifos = best.fifos.iter();
+        self.fifo_high_water = fifos.map(|(name, fifo)| (*name, fifo.high_water)).collect();
+        let allowed = best.total as f64 * (1.0 + SLACK);
+        for name in FIFOS {
+            let fits = |depth: u32| {
+                let mut config = deep;
+                set(&mut config, name, depth);
+                simulate(workload, &work, &config).total as f64 <= allowed
+            };
+            let mut depth = DEEP;
+            while depth > 1 && fits(depth / 2) {
+                depth /= 2;
+            }
+            self.fifo_depths.insert(name, depth);
+        }
+    }
+
     fn judge_units(&mut self, workload: &Workload, tiles: [u64; 2], alpha_max: f64) {
         let [finished_tiles, tiles] = tiles;
         let per_cent = |part: f64| format!("{:.1} %", 100.0 * part);
@@ -131,37 +154,4 @@ impl Needs {
         let reason = format!("at most {layers} layers in a pixel");
         judge("over", layers > 1, reason);
     }
-}
-
-type Depths = (
-    BTreeMap<&'static str, u32>,
-    BTreeMap<&'static str, u64>,
-    u64,
-);
-
-fn depths(workload: &Workload, work: &LaneWork, machine: &Config) -> Depths {
-    let mut deep = *machine;
-    let set = |config: &mut Config, name: &str, depth: u32| {
-        let set = config.set("profile", name, &toml::Value::from(depth));
-        set.expect("every depth tried is one that a FIFO can have");
-    };
-    FIFOS.iter().for_each(|name| set(&mut deep, name, DEEP));
-    let best = simulate(workload, work, &deep);
-    let allowed = best.total as f64 * (1.0 + SLACK);
-    let mut needed = BTreeMap::new();
-    for name in FIFOS {
-        let fits = |depth: u32| {
-            let mut config = deep;
-            set(&mut config, name, depth);
-            simulate(workload, work, &config).total as f64 <= allowed
-        };
-        let mut depth = DEEP;
-        while depth > 1 && fits(depth / 2) {
-            depth /= 2;
-        }
-        needed.insert(name, depth);
-    }
-    let fifos = best.fifos.iter();
-    let high_water = fifos.map(|(name, fifo)| (*name, fifo.high_water));
-    (needed, high_water.collect(), best.total)
 }

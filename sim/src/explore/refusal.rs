@@ -37,7 +37,7 @@ pub fn ruled_out(search: &Search) -> Result<Vec<RuledOut>> {
     let mut found = Vec::new();
     for limit in &limits {
         let alone = best_of(search, std::slice::from_ref(limit))?;
-        found.extend(failing(limit, &alone, 0.0, &[]));
+        found.extend(failing(limit, limit.quantity.of(&alone), 0.0, &[]));
     }
     let is_rate = |limit: &&Limit| limit.quantity == Quantity::FramesPerSecond;
     let fps = limits.iter().find(is_rate);
@@ -51,21 +51,27 @@ pub fn ruled_out(search: &Search) -> Result<Vec<RuledOut>> {
                 let [rate, other] = [fps, limit].map(|limit| limit.missed_by(reached));
                 [rate, other, reached.cost()]
             })?;
-            found.extend(failing(limit, &reached, MISSED_TOGETHER, &pair[..1]));
+            let best = limit.quantity.of(&reached);
+            found.extend(failing(limit, best, MISSED_TOGETHER, &pair[..1]));
         }
     }
     if found.is_empty() && missed(&limits, None, &together) > MISSED_TOGETHER {
         for limit in &limits {
             let with: Vec<Limit> = limits.iter().filter(|l| *l != limit).cloned().collect();
-            found.extend(failing(limit, &together, 0.0, &with));
+            found.extend(failing(limit, limit.quantity.of(&together), 0.0, &with));
         }
     }
     Ok(found)
 }
 
-/// The limit, if this point misses it by more than a part of its bound.
-fn failing(limit: &Limit, at: &Reached, more_than: f64, with: &[Limit]) -> Option<RuledOut> {
-    let best = limit.quantity.of(at)?;
+/// The limit, if the best value misses it by more than a part of its bound.
+pub fn failing(
+    limit: &Limit,
+    best: Option<f64>,
+    more_than: f64,
+    with: &[Limit],
+) -> Option<RuledOut> {
+    let best = best?;
     (limit.excess(best) > more_than).then(|| RuledOut {
         limit: limit.clone(),
         best,
@@ -82,7 +88,7 @@ fn best_of(search: &Search, limits: &[Limit]) -> Result<Reached> {
 }
 
 fn best_by(bounds: &mut Search, judge: super::search::Judge) -> Result<Reached> {
-    let mut at = start(bounds.evaluator.subject, bounds.space);
+    let mut at = start(&bounds.evaluator.subject, bounds.space);
     let (widths, _) = bounds.split_axes();
     // The narrowest design is the smallest; what it is worth is not asked here.
     for axis in widths {
@@ -110,16 +116,11 @@ pub fn text(all: &[RuledOut]) -> String {
             quantity if quantity.is_error() => "with every width at its widest",
             _ => "by area alone",
         };
-        let other =
-            |Limit {
-                 quantity, bound, ..
-             }: &Limit| { format!("{} {}", quantity.show(*bound), quantity.name()) };
-        let held = with.iter().map(other).collect::<Vec<_>>().join(", ");
-        let held = if with.is_empty() {
-            held
-        } else {
-            format!(" while it holds {held}")
-        };
+        let other = |l: &Limit| format!("{} {}", l.quantity.show(l.bound), l.quantity.name());
+        let mut held = with.iter().map(other).collect::<Vec<_>>().join(", ");
+        if !with.is_empty() {
+            held = format!(" while it holds {held}");
+        }
         text += &format!(
             "  {} ({}): asked for {asked} {}, {reached} {} is possible{held}, {by}\n",
             quantity.name(),

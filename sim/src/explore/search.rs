@@ -40,7 +40,7 @@ pub fn compare(a: &Score, b: &Score) -> Ordering {
 /// A search over the points of a space.
 pub struct Search<'a> {
     /// Evaluates points.
-    pub evaluator: &'a Evaluator<'a>,
+    pub evaluator: &'a Evaluator,
     /// Where points come from.
     pub space: &'a Space,
     /// What is to be held.
@@ -63,7 +63,7 @@ pub struct Search<'a> {
 impl<'a> Search<'a> {
     /// A search on some frames; `progress` is given what is being done.
     pub fn new(
-        evaluator: &'a Evaluator<'a>,
+        evaluator: &'a Evaluator,
         space: &'a Space,
         limits: &'a [Limit],
         frames: Vec<usize>,
@@ -90,21 +90,16 @@ impl<'a> Search<'a> {
     where
         'a: 'b,
     {
+        let frames = self.frames.clone();
         Search {
             by_bounds: true,
-            ..Search::new(
-                self.evaluator,
-                self.space,
-                limits,
-                self.frames.clone(),
-                self.progress,
-            )
+            ..Search::new(self.evaluator, self.space, limits, frames, self.progress)
         }
     }
 
     /// The design and the machine of a point.
     pub fn choice(&self, point: &[usize]) -> Result<Choice> {
-        let (space, subject) = (self.space, self.evaluator.subject);
+        let (space, subject) = (self.space, &self.evaluator.subject);
         let axes = space.axes.iter().zip(point);
         let of_design = axes.filter(|(axis, _)| axis.part == SpacePart::Design);
         let places = of_design.map(|(_, index)| *index).collect();

@@ -138,7 +138,7 @@ impl FrameReuse {
 }
 
 /// The page of one or several frames.
-pub fn page(title: &str, frames: &[(String, Statistics)]) -> String {
+pub fn page(title: &str, frames: &[(&str, &Statistics)]) -> String {
     let mut body = String::new();
     for (name, statistics) in frames {
         body += &format!("<section>\n<h2>{}</h2>\n", escape(name));
@@ -289,7 +289,7 @@ mod tests {
         assert!(reuse.pairs[0] > reuse.pairs[1] / 2 && reuse.pairs[0] < reuse.pairs[1]);
         // No tile of this frame finishes: a chart of nothing is not drawn.
         assert_eq!(statistics.finished_tiles[0], 0);
-        let page = page("<random>", &[("a & b".to_owned(), statistics)]);
+        let page = page("<random>", &[("a & b", &statistics)]);
         assert!(page.contains("&lt;random&gt;") && page.contains("a &amp; b"));
         assert_eq!(page.matches("<svg").count(), 6);
         assert!(page.contains("Of the frame before, ") && !page.contains("NaN"));

@@ -10,11 +10,12 @@ use crate::picture::Picture;
 use crate::plan::{DesignVariant, Engine, Prepared};
 use anyhow::{Context, Result};
 use splatline::format::Traversal;
+use std::sync::Arc;
 
 /// What is explored: frames, and the design and the machine that everything starts from.
-pub struct Subject<'a> {
+pub struct Subject {
     /// The frames, of one scene or many.
-    pub frames: Vec<&'a Prepared>,
+    pub frames: Vec<Arc<Prepared>>,
     /// Their pictures in double precision; none leaves errors out.
     pub references: Vec<Picture>,
     /// The design to start from.
@@ -31,9 +32,9 @@ pub struct Subject<'a> {
     pub formats: Vec<Engine>,
 }
 
-impl<'a> Subject<'a> {
+impl Subject {
     /// Frames with the design and the machine that the first one's plan has, and no references yet.
-    pub fn new(frames: Vec<&'a Prepared>) -> Result<Subject<'a>> {
+    pub fn new(frames: Vec<Arc<Prepared>>) -> Result<Subject> {
         let plan = &frames.first().context("there is no frame")?.plan;
         // Of several scenes, the one with most harmonics.
         let harmonics = frames

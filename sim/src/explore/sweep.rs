@@ -5,32 +5,31 @@
 use super::evaluator::{Evaluator, work_key};
 use super::folder::Appender;
 use super::space::Space;
-use super::subject::{Choice, NoDesign, Subject};
+use super::subject::{Choice, NoDesign};
 use super::table::{RESULTS, ResultTable};
 use anyhow::{Result, anyhow};
 
 /// Runs all points that `done` does not hold yet. `progress` is called for every finished point.
 pub fn run(
-    subject: &Subject,
+    evaluator: &Evaluator,
     space: &Space,
     done: &ResultTable,
     out: &Appender,
     progress: &(dyn Fn() + Sync),
 ) -> Result<()> {
-    let evaluator = Evaluator::new(subject, true);
     let append = |number: usize, results: Vec<String>| {
         let axes = space.texts(&space.points[number]);
         let fields = std::iter::once(number.to_string())
             .chain(axes)
             .chain(results);
-        out.append(&fields.collect::<Vec<_>>())
+        out.append(fields.collect())
             .map_err(|error| anyhow!("cannot append to the table: {error}"))?;
         progress();
         Ok(())
     };
     let points = space.points.iter().enumerate();
     let open = points.filter(|(number, _)| !done.rows.contains_key(number));
-    evaluate(&evaluator, space, open, &append)
+    evaluate(evaluator, space, open, &append)
 }
 
 /// Evaluates numbered points, those that share work side by side, and hands each one's results over as soon as they are
@@ -71,7 +70,7 @@ pub fn evaluate<'a>(
         let error = evaluator.error(&choices[0].variant, &frames)?;
         evaluator.run(&choices, &frames, false, &|place, costs| {
             let reached = evaluator.reached(&choices[place], error, &costs);
-            let results = RESULTS.map(|(.., field)| field(&reached));
+            let results = RESULTS.map(|(_, field)| field(&reached));
             take(numbers[place], results.to_vec())
         })?;
     }
@@ -87,7 +86,7 @@ fn left_out(reason: &str) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::Evaluator;
     use crate::explore::answer::tests::{space, subject, swept};
 
     const SPACE: &str = "[design]\nbase = [\"lean18\", \"standard24\"]\n[machine]\ntile_width = [8, 16]\nlanes = [1, 4]\n\
@@ -97,11 +96,9 @@ mod tests {
     #[test]
     fn points_without_a_design_are_left_out() {
         let folder = tempfile::tempdir().unwrap();
-        let subject = subject(&[1.0]);
-        let swept = |name: &str, text: &str| {
-            let path = folder.path().join(name);
-            swept(&subject, &space(text), &ResultTable::default(), &path)
-        };
+        let evaluator = Evaluator::new(subject(&[1.0]), true);
+        let swept =
+            |name: &str, text: &str| swept(&evaluator, &space(text), &folder.path().join(name));
         let table = swept("all", "[design]\nradial = [9, 20]\ntable = [10, 12]\n").unwrap();
         assert_eq!(table.rows.len(), 4);
         let reasons: Vec<&str> = table.left_out().collect();
@@ -115,9 +112,9 @@ mod tests {
     fn a_resumed_sweep_gives_the_whole_sweep() {
         let folder = tempfile::tempdir().unwrap();
         let [whole, cut] = ["whole.csv", "cut.csv"].map(|name| folder.path().join(name));
-        let subject = subject(&[1.0]);
-        let swept = |done, path| swept(&subject, &space(SPACE), &done, path).unwrap();
-        let complete = swept(ResultTable::default(), &whole);
+        let evaluator = Evaluator::new(subject(&[1.0]), true);
+        let swept = |path| swept(&evaluator, &space(SPACE), path).unwrap();
+        let complete = swept(&whole);
         assert_eq!(complete.rows.len(), 32);
         let reasons = complete.left_out().collect::<Vec<_>>();
         assert_eq!(reasons.len(), 8, "quads of one lane");
@@ -125,9 +122,7 @@ mod tests {
             assert!(reason.contains("allowed with 2 or more lanes"), "{reason}");
         }
         let text = std::fs::read_to_string(&whole).unwrap();
-        let half = &text[..text.len() / 2];
-        std::fs::write(&cut, half).unwrap();
-        let resumed = swept(ResultTable::from_csv(half).unwrap(), &cut);
-        assert_eq!(resumed, complete);
+        std::fs::write(&cut, &text[..text.len() / 2]).unwrap();
+        assert_eq!(swept(&cut), complete);
     }
 }

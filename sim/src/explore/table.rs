@@ -2,8 +2,8 @@
 //!
 //! A line is appended in one write ([`super::folder`]), so an interrupted sweep leaves at most one broken last line,
 //! which reading drops and going on cuts off. What is read is checked against the space and against each row's digest:
-//! a point that is not there, an axis with another value, a result that is no number or that was edited were not
-//! written by this sweep, and would be drawn as if they were.
+//! a point that is not there, an axis with another value and fields that were edited were not written by this sweep,
+//! and would be drawn as if they were.
 //!
 //! Fields are quoted as RFC 4180 has it, since an axis may name a file; one that a spreadsheet would take for a formula
 //! has a `'` before it.
@@ -11,7 +11,6 @@
 use super::evaluator::{DesignError, ErrorDetail, Reached};
 use super::space::Space;
 use crate::digest::Digest;
-use ColumnKind::{Count, Nothing, Number, NumberOrNothing, Positive};
 use std::collections::BTreeMap;
 
 /// The last column: tells whether its row is as it was written.
@@ -20,54 +19,52 @@ pub const ROW_DIGEST: &str = "row_digest";
 /// Hexadecimal digits of a row's digest.
 const DIGEST_DIGITS: usize = 16;
 
-/// A result's column: its name, what its fields may hold, and its field of a point.
-pub type ResultColumn = (&'static str, ColumnKind, fn(&Reached) -> String);
+/// A result's column: its name, and its field of a point.
+pub type ResultColumn = (&'static str, fn(&Reached) -> String);
 
 /// Columns behind the axes. Of several frames cycles, pace and bytes are those of the slowest, energy is that of the
 /// dearest, errors are over all. Area is that of the raster units, of what is around them, and all of it in look-up
 /// tables; energy is that of a picture. `clock_assumed` is 1 where nobody gave the clock (`crate::machine::clock`).
+/// Fields about errors are empty without references.
 #[rustfmt::skip]
 pub const RESULTS: [ResultColumn; 36] = [
-    ("psnr_db", NumberOrNothing, |p| error(p, |e| finite(e.psnr_db()))),
-    ("rms", Positive, |p| error(p, |e| exponent(e.rms))),
-    ("max_abs", Positive, |p| error(p, |e| exponent(e.max_abs))),
-    ("bias", Number, |p| error(p, |e| exponent(e.bias))),
-    ("ssim", Number, |p| detail(p, |d| format!("{:.6}", d.ssim))),
-    ("p95", Positive, |p| detail(p, |d| exponent(d.percentiles.p95))),
-    ("p99", Positive, |p| detail(p, |d| exponent(d.percentiles.p99))),
-    ("flip", Positive, |p| detail(p, |d| exponent(d.flip))),
-    ("cycles", Count, |p| p.slowest.cycles[3].to_string()),
-    ("geometry", Count, |p| p.slowest.cycles[0].to_string()),
-    ("sort", Count, |p| p.slowest.cycles[1].to_string()),
-    ("raster", Count, |p| p.slowest.cycles[2].to_string()),
-    ("lanes_busy", Positive, |p| places(p.slowest.lanes[0])),
-    ("covered_per_cycle_and_lane", Positive, |p| places(p.slowest.lanes[1])),
-    ("live_per_cycle_and_lane", Positive, |p| places(p.slowest.lanes[2])),
-    ("clock_mhz", Positive, |p| p.pace.clock.mhz.to_string()),
-    ("clock_assumed", Count, |p| u8::from(p.pace.clock.assumed).to_string()),
-    ("frames_per_s", Positive, |p| format!("{:.3}", p.pace.frames_per_s)),
-    ("ms_per_frame", Positive, |p| places(p.pace.ms_per_frame)),
-    ("ms_per_frame_95", Positive, |p| places(p.ms_per_frame.percentile_95)),
-    ("ms_per_frame_mean", Positive, |p| places(p.ms_per_frame.mean)),
-    ("frames", Count, |p| p.frames.to_string()),
-    ("bytes_per_frame", Count, |p| p.pace.bytes_per_frame.to_string()),
-    ("bytes_per_s", Positive, |p| format!("{:.0}", p.pace.bytes_per_s)),
-    ("packet_hit_rate", Positive, |p| places(p.slowest.packet_hit_rate)),
-    ("raster_luts", Count, |p| p.area.raster.luts.to_string()),
-    ("raster_flip_flops", Count, |p| p.area.raster.flip_flops.to_string()),
-    ("raster_dsps", Count, |p| p.area.raster.dsps.to_string()),
-    ("raster_memory_kbit", Count, |p| p.area.raster.memory_kbit.to_string()),
-    ("around_luts", Count, |p| p.area.around.luts.to_string()),
-    ("around_flip_flops", Count, |p| p.area.around.flip_flops.to_string()),
-    ("around_dsps", Count, |p| p.area.around.dsps.to_string()),
-    ("around_memory_kbit", Count, |p| p.area.around.memory_kbit.to_string()),
-    ("area", Positive, |p| format!("{:.0}", p.area.weight)),
-    ("energy_mj", Positive, |p| format!("{:.5}", p.millijoules)),
-    ("left_out", Nothing, |_| String::new()),
+    ("psnr_db", |p| error(p, |e| finite(e.psnr_db()))),
+    ("rms", |p| error(p, |e| exponent(e.rms))),
+    ("max_abs", |p| error(p, |e| exponent(e.max_abs))),
+    ("bias", |p| error(p, |e| exponent(e.bias))),
+    ("ssim", |p| detail(p, |d| format!("{:.6}", d.ssim))),
+    ("p95", |p| detail(p, |d| exponent(d.percentiles.p95))),
+    ("p99", |p| detail(p, |d| exponent(d.percentiles.p99))),
+    ("flip", |p| detail(p, |d| exponent(d.flip))),
+    ("cycles", |p| p.slowest.cycles[3].to_string()),
+    ("geometry", |p| p.slowest.cycles[0].to_string()),
+    ("sort", |p| p.slowest.cycles[1].to_string()),
+    ("raster", |p| p.slowest.cycles[2].to_string()),
+    ("lanes_busy", |p| places(p.slowest.lanes[0])),
+    ("covered_per_cycle_and_lane", |p| places(p.slowest.lanes[1])),
+    ("live_per_cycle_and_lane", |p| places(p.slowest.lanes[2])),
+    ("clock_mhz", |p| p.pace.clock.mhz.to_string()),
+    ("clock_assumed", |p| u8::from(p.pace.clock.assumed).to_string()),
+    ("frames_per_s", |p| format!("{:.3}", p.pace.frames_per_s)),
+    ("ms_per_frame", |p| places(p.pace.ms_per_frame)),
+    ("ms_per_frame_95", |p| places(p.ms_per_frame.percentile_95)),
+    ("ms_per_frame_mean", |p| places(p.ms_per_frame.mean)),
+    ("frames", |p| p.frames.to_string()),
+    ("bytes_per_frame", |p| p.pace.bytes_per_frame.to_string()),
+    ("bytes_per_s", |p| format!("{:.0}", p.pace.bytes_per_s)),
+    ("packet_hit_rate", |p| places(p.slowest.packet_hit_rate)),
+    ("raster_luts", |p| p.area.raster.luts.to_string()),
+    ("raster_flip_flops", |p| p.area.raster.flip_flops.to_string()),
+    ("raster_dsps", |p| p.area.raster.dsps.to_string()),
+    ("raster_memory_kbit", |p| p.area.raster.memory_kbit.to_string()),
+    ("around_luts", |p| p.area.around.luts.to_string()),
+    ("around_flip_flops", |p| p.area.around.flip_flops.to_string()),
+    ("around_dsps", |p| p.area.around.dsps.to_string()),
+    ("around_memory_kbit", |p| p.area.around.memory_kbit.to_string()),
+    ("area", |p| format!("{:.0}", p.area.weight)),
+    ("energy_mj", |p| format!("{:.5}", p.millijoules)),
+    ("left_out", |_| String::new()),
 ];
-
-/// The first ones are about errors, and empty without references.
-pub const ERRORS: usize = 8;
 
 /// A field about errors.
 fn error(point: &Reached, show: fn(&DesignError) -> String) -> String {
@@ -99,7 +96,7 @@ fn places(value: f64) -> String {
 /// The heading for a space.
 pub fn heading(space: &Space) -> Vec<String> {
     let axes = space.axes.iter().map(|axis| axis.key.as_str());
-    let results = RESULTS.map(|(name, ..)| name);
+    let results = RESULTS.map(|(name, _)| name);
     let names = std::iter::once("point").chain(axes).chain(results);
     names.chain([ROW_DIGEST]).map(str::to_owned).collect()
 }
@@ -210,8 +207,8 @@ impl ResultTable {
         lines.map(|fields| to_line(fields)).collect()
     }
 
-    /// Is this a table over that space, with errors or without? The message names point and column.
-    pub fn check(&self, space: &Space, errors: bool) -> Result<(), String> {
+    /// Is this a table over that space, with rows as they were written? The message names point and column.
+    pub fn check(&self, space: &Space) -> Result<(), String> {
         if self.heading.is_empty() {
             return Ok(());
         }
@@ -233,8 +230,8 @@ impl ResultTable {
                 return Err(problem(format!("the space has points 0 to {last} only")));
             };
             let (row, digest) = fields.split_at(fields.len() - 1);
-            let (axes, results) = row[1..].split_at(space.axes.len());
-            for ((axis, found), expected) in space.axes.iter().zip(axes).zip(space.texts(indices)) {
+            let axes = space.axes.iter().zip(&row[1..]);
+            for ((axis, found), expected) in axes.zip(space.texts(indices)) {
                 if *found != expected {
                     let key = &axis.key;
                     return Err(problem(format!(
@@ -242,7 +239,6 @@ impl ResultTable {
                     )));
                 }
             }
-            check_results(results, errors).map_err(problem)?;
             if digest[0] != row_digest(row) {
                 return Err(problem(format!(
                     "{ROW_DIGEST} is not that of its fields, which were edited"
@@ -255,59 +251,6 @@ impl ResultTable {
     /// Place of a column.
     pub fn column(&self, name: &str) -> Option<usize> {
         self.heading.iter().position(|column| column == name)
-    }
-}
-
-/// Are these the results of a point, in the order of [`RESULTS`]?
-fn check_results(results: &[String], errors: bool) -> Result<(), String> {
-    let Some((reason, numbers)) = results.split_last() else {
-        return Ok(());
-    };
-    for (place, ((name, kind, _), text)) in RESULTS.iter().zip(numbers).enumerate() {
-        let empty = !reason.is_empty() || (place < ERRORS && !errors);
-        let kind = if empty { Nothing } else { *kind };
-        if !kind.allows(text) {
-            return Err(format!("{name} is '{text}', expected {}", kind.name()));
-        }
-    }
-    Ok(())
-}
-
-/// What a field may hold.
-#[derive(Clone, Copy)]
-pub enum ColumnKind {
-    /// Nothing at all.
-    Nothing,
-    /// A number.
-    Number,
-    /// The same, or nothing: equal pictures have no PSNR.
-    NumberOrNothing,
-    /// A number, 0 or more.
-    Positive,
-    /// A whole number.
-    Count,
-}
-
-impl ColumnKind {
-    fn allows(self, text: &str) -> bool {
-        let number = text.parse::<f64>().ok().filter(|value| value.is_finite());
-        match self {
-            Nothing => text.is_empty(),
-            Number => number.is_some(),
-            NumberOrNothing => text.is_empty() || number.is_some(),
-            Positive => number.is_some_and(|value| value >= 0.0),
-            Count => text.parse::<u64>().is_ok(),
-        }
-    }
-
-    fn name(self) -> &'static str {
-        match self {
-            Nothing => "nothing",
-            Number => "a finite number",
-            NumberOrNothing => "a finite number or nothing",
-            Positive => "a finite number, 0 or more",
-            Count => "a whole number, 0 or more",
-        }
     }
 }
 
@@ -369,40 +312,24 @@ mod tests {
         ResultTable::from_csv(&(to_line(&heading(&space())) + &to_line(row))).unwrap()
     }
 
-    fn checked(line: &str, errors: bool) -> Result<(), String> {
-        table(&row(line)).check(&space(), errors)
-    }
-
-    /// Whatever result is replaced by what no sweep writes, the point and the column are named.
+    /// What lies at another place of the space, or was edited: a better result would change the front.
     #[test]
-    fn values_that_no_sweep_writes_are_refused() {
-        checked(&format!("1,1,rows,{SOUND}"), true).unwrap();
-        checked(&format!("1,1,rows,{}{}quads", ",".repeat(34), ","), true).unwrap();
-        let columns = RESULTS.len() - 1;
-        for (column, (name, ..)) in RESULTS.iter().enumerate().take(columns) {
-            for wrong in ["NaN", "inf", "text", "1e999", "--1", " "] {
-                let mut fields: Vec<&str> = SOUND.split(',').collect();
-                fields[column] = wrong;
-                let message = checked(&format!("1,1,rows,{}", fields.join(",")), true).unwrap_err();
-                let named = message.contains("point 1:") && message.contains(name);
-                assert!(named, "{message}");
-            }
-        }
-        for (line, errors, expected) in [
+    fn rows_that_this_sweep_did_not_write_are_refused() {
+        let sound = row(&format!("1,1,rows,{SOUND}"));
+        let checked = |row: &[String]| table(row).check(&space());
+        checked(&sound).unwrap();
+        checked(&row(&format!("1,1,rows,{}quads", ",".repeat(35)))).unwrap();
+        let mut edited = sound.clone();
+        edited[table(&sound).column("cycles").unwrap()] = "0".to_owned();
+        for (row, expected) in [
             (
-                format!("1,1,rows,{SOUND}"),
-                false,
-                "psnr_db is '20.5', expected nothing",
-            ),
-            (
-                format!("1,2,rows,{SOUND}"),
-                true,
+                row(&format!("1,2,rows,{SOUND}")),
                 "lanes is '2', in the space it is '1'",
             ),
-            (format!("4,1,rows,{SOUND}"), true, "points 0 to 3 only"),
-            (format!("1,1,rows,{SOUND}why"), true, "expected nothing"),
+            (row(&format!("4,1,rows,{SOUND}")), "points 0 to 3 only"),
+            (edited, "point 1: row_digest"),
         ] {
-            let message = checked(&line, errors).unwrap_err();
+            let message = checked(&row).unwrap_err();
             assert!(message.contains(expected), "{message}");
         }
     }
@@ -421,23 +348,12 @@ mod tests {
             csv += &to_line(&fields);
         }
         let table = ResultTable::from_csv(&csv).unwrap();
-        table.check(&space, true).unwrap();
+        table.check(&space).unwrap();
         assert_eq!((table.rows.len(), table.to_csv()), (2, csv.clone()));
         for end in 0..csv.len() {
             let cut = ResultTable::from_csv(&csv[..end]).unwrap();
             assert!(cut.rows.len() < 2, "{end}");
-            cut.check(&space, true).unwrap();
+            cut.check(&space).unwrap();
         }
-    }
-
-    /// A better result that somebody wrote into a row would change the front.
-    #[test]
-    fn an_edited_result_is_refused() {
-        let mut fields = row(&format!("1,1,rows,{SOUND}"));
-        table(&fields).check(&space(), true).unwrap();
-        let cycles = table(&fields).column("cycles").unwrap();
-        fields[cycles] = "0".to_owned();
-        let message = table(&fields).check(&space(), true).unwrap_err();
-        assert!(message.contains("point 1: row_digest"), "{message}");
     }
 }

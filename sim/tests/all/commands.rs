@@ -142,7 +142,10 @@ fn inputs_are_never_overwritten_and_names_do_not_lie() {
          1 render missing.ply -o a.png => missing.ply
          1 render a.ply -o no/such/a.png => does not exist
          1 render a.ply -o ./ => is a folder
-         1 compare a.ply -o cloud.xyz => it is a file; name a folder",
+         1 compare a.ply -o cloud.xyz => it is a file; name a folder
+         1 simulate random:9 -o cloud.xyz => it is a file; name a folder
+         1 man -o cloud.xyz => it is a file; name a folder
+         1 vectors export cloud.xyz => it is a file; name a folder",
     );
     assert_eq!(shell.read("cloud.xyz"), cloud());
     assert_eq!(std::fs::read_dir(shell.path("")).unwrap().count(), 1);
@@ -223,7 +226,7 @@ fn a_report_counts_the_same_cycles_again() {
         assert!(first[key].is_object(), "{key}");
         assert_eq!(first[key], second[key]);
     }
-    shell.succeed("model --from a/report.json -o m");
+    shell.succeed("simulate --from a/report.json -o m");
     let timing = shell.json("m/timing.json");
     assert_eq!(timing["cycles"]["total"], first["cycles"]["total"]);
 }

@@ -116,25 +116,6 @@ fn a_folder_of_another_commands_results_is_not_written_to_silently() {
     assert_eq!(shell.bytes("out/machine.toml"), machine);
 }
 
-#[test]
-fn a_file_in_the_place_of_a_folder_is_named_as_such() {
-    let shell = Shell::new();
-    shell.write("taken", "mine");
-    for command in [
-        "compare random:9 -o",
-        "simulate random:9 -o",
-        "man -o",
-        "vectors export",
-    ] {
-        shell.refused(
-            1,
-            &format!("{command} taken"),
-            "it is a file; name a folder",
-        );
-    }
-    assert_eq!(shell.bytes("taken"), b"mine");
-}
-
 /// Linux names files by any bytes, and a report is text.
 #[cfg(target_os = "linux")]
 #[test]

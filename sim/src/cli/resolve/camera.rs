@@ -6,7 +6,7 @@ use crate::cli::say::{print_error, print_result, usage};
 use crate::cli::view_args::CameraArgs;
 use crate::framing::{Ball, FramingInput, USUAL_FOV, orbited};
 use crate::scene::Scene;
-use anyhow::{Error, Result, anyhow};
+use anyhow::{Error, Result, anyhow, ensure};
 use std::path::Path;
 
 /// Where neither a camera file nor `--size` says otherwise.
@@ -22,7 +22,13 @@ pub(super) fn camera(
     filling: Option<&Scene>,
 ) -> Result<(Camera, Vec<String>)> {
     let (camera, warnings) = match (&options.file, options.eye, options.target) {
-        (Some(path), ..) => camera_from_file(path, options)?,
+        (Some(path), ..) => {
+            let pose = pose_of(path, options.size, options.image.as_deref())?;
+            for note in &pose.notes {
+                print_error(&format!("{}: {note}\n", pose.name));
+            }
+            with_size(path, pose, options)?
+        }
         (None, Some(eye), Some(target)) => (camera_from_eye(eye, target, up, options)?, Vec::new()),
         _ => match trained_camera(scene, options)? {
             Some(found) => found,
@@ -34,14 +40,6 @@ pub(super) fn camera(
         None => camera,
     };
     Ok((camera, warnings))
-}
-
-fn camera_from_file(path: &Path, options: &CameraArgs) -> Result<(Camera, Vec<String>)> {
-    let pose = pose_of(path, options.size, options.image.as_deref())?;
-    for note in &pose.notes {
-        print_error(&format!("{}: {note}\n", pose.name));
-    }
-    with_size(path, pose, options)
 }
 
 /// A camera of a file that may hold several.
@@ -117,11 +115,8 @@ fn camera_from_eye(
 /// An automatic camera, unless the scene's coordinates are so large that it cannot be placed: their squares overflow
 /// beyond 1e154.
 pub fn sound_camera(camera: Camera, scene: &str) -> Result<Camera> {
-    if camera.is_sound() {
-        Ok(camera)
-    } else {
-        Err(too_large(scene))
-    }
+    ensure!(camera.is_sound(), too_large(scene));
+    Ok(camera)
 }
 
 fn too_large(scene: &str) -> Error {
@@ -149,11 +144,11 @@ fn framed(
         Some(splats) => frame.filled(camera, splats),
         None => (camera, 0),
     };
-    let outside = match outside {
-        0 => String::new(),
-        count => format!("; {count} outlying splats do not count"),
-    };
-    print_result(&format!("{}{outside}\n", frame.describe(fov)))?;
+    let mut described = frame.describe(fov);
+    if outside > 0 {
+        described += &format!("; {outside} outlying splats do not count");
+    }
+    print_result(&format!("{described}\n"))?;
     Ok(camera)
 }
 

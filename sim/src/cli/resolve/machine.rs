@@ -1,12 +1,13 @@
 //! From options to a machine, the part that it is built on, and the prices of both.
 
-use crate::cli::machine_args::{AreaOptions, MachineOptions};
+use crate::cli::machine_args::{MachineOptions, SimulationOptions};
 use crate::cli::output::settings;
 use crate::cli::say::usage;
 use crate::machine::area::Calibration;
 use crate::machine::config::{self, Config};
 use crate::machine::energy::EnergyTable;
-use crate::machine::parts::{Part, Parts};
+use crate::machine::parts::Parts;
+use crate::machine::record::Prices;
 use anyhow::Result;
 use std::path::PathBuf;
 
@@ -40,28 +41,24 @@ pub(super) fn change_machine(options: &MachineOptions, unnamed: Config) -> Resul
     Ok(config)
 }
 
-/// The part that the options name.
-pub fn part(options: &AreaOptions) -> Result<Option<Part>> {
-    let Some(name) = &options.part else {
-        return Ok(None);
-    };
+/// What area and energy are counted by: of area a file's prices, or those of the part's family or of the one named.
+pub fn prices(options: &SimulationOptions) -> Result<Prices> {
+    let area = &options.area;
     let mut parts = Parts::default();
-    if let Some(path) = &options.parts {
+    if let Some(path) = &area.parts {
         parts = settings(path, |file, text| parts.clone().and(file, text))?;
     }
-    let found = parts.find(name).map_err(usage)?;
-    Ok(Some(found.clone()))
-}
-
-/// The prices that the options name: a file's, a part's family's, or a family's.
-pub fn calibration(options: &AreaOptions) -> Result<Calibration> {
-    match &options.calibration {
-        None => Ok(match part(options)? {
-            Some(part) => part.family.calibration(),
-            None => options.family.calibration(),
-        }),
-        Some(path) => settings(path, Calibration::from_toml),
-    }
+    let found = |name: &String| parts.find(name).map(|part| (name.clone(), part.clone()));
+    let part = area.part.as_ref().map(found).transpose().map_err(usage)?;
+    let family = part.as_ref().map_or(area.family, |(_, part)| part.family);
+    Ok(Prices {
+        calibration: match &area.calibration {
+            None => family.calibration(),
+            Some(path) => settings(path, Calibration::from_toml)?,
+        },
+        part,
+        energy: energy_table(options.energy.as_ref())?,
+    })
 }
 
 /// The table of energies that was asked for, or the one that ships.

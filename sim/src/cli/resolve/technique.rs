@@ -232,7 +232,10 @@ fn for_styles(view: &ViewOptions) -> Vec<Given> {
         (surface.layers.is_some(), "--layers"),
         (surface.edges, "--edges"),
         (surface.z_threshold.is_some(), "--z-threshold"),
-        (surface.backfaces() != Backfaces::Auto, "--cull-backfaces"),
+        (
+            surface.cull_backfaces != Backfaces::Auto,
+            "--cull-backfaces",
+        ),
         (view.splats.light.is_some(), "--light"),
     ]
 }
@@ -307,7 +310,7 @@ fn style(view: &ViewOptions, scene: &SurfaceScene) -> Style {
 /// As the options say, or else where the cloud's normals allow it. Of a body that one can see through the backs are
 /// wanted.
 fn culls_backfaces(options: &SurfaceArgs, scene: &SurfaceScene) -> bool {
-    match options.backfaces() {
+    match options.cull_backfaces {
         Backfaces::On => true,
         Backfaces::Off => false,
         Backfaces::Auto => {

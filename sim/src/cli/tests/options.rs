@@ -24,67 +24,11 @@ fn each_command_shows_examples_that_parse() {
     assert!(tried > command.get_subcommands().count());
 }
 
-/// Scripts keep working: earlier names run the same command with the same options, and the short list has the new ones
-/// alone.
+/// A part alone is no limit.
 #[test]
-fn earlier_names_of_commands_are_the_same_commands() {
-    for (name, now, options) in [
-        ("model", "simulate", "a.ply --set lanes=4 -o out"),
-        ("needs", "profile", "a.ply --max-error 0.01"),
-        ("explore", "sweep", "a.ply --space s.toml --no-error -o out"),
-        (
-            "--memory 100 explore",
-            "--memory 100 optimize",
-            "a.ply --fps=60 --max-error 0.004",
-        ),
-    ] {
-        let parsed = [name, now].map(|name| parse(&format!("{name} {options}")).unwrap());
-        let [earlier, now] = parsed.map(|cli| format!("{cli:?}"));
-        assert_eq!(earlier, now);
-    }
-    let help = Cli::command().render_help().to_string();
-    for name in ["simulate", "profile", "sweep", "optimize"] {
-        assert!(help.contains(&format!("\n  {name} ")), "{help}");
-    }
-    for name in ["model", "needs", "explore"] {
-        assert!(!help.contains(&format!("\n  {name} ")), "{help}");
-    }
+fn optimize_needs_a_limit() {
     let refused = parse("optimize random:9 --part xc7a100t").unwrap_err();
     assert_eq!(refused.kind(), ErrorKind::MissingRequiredArgument);
-}
-
-#[test]
-fn negative_coordinates_parse() {
-    let cli = parse(
-        "render a.ply -o a.png --eye -1,2,-3.5 --target 0,-0.5,1e1 --up 0,-1,0 --light -1,-1,0",
-    )
-    .unwrap();
-    let Some(Command::Render(options)) = cli.command else {
-        panic!("not render")
-    };
-    assert_eq!(options.view.camera.eye, Some([-1.0, 2.0, -3.5]));
-    assert_eq!(options.view.camera.target, Some([0.0, -0.5, 10.0]));
-    assert_eq!(options.view.camera.up, Some([0.0, -1.0, 0.0]));
-    assert_eq!(options.view.splats.light, Some([-1.0, -1.0, 0.0]));
-}
-
-#[test]
-fn defaults_are_those_of_the_help() {
-    let Some(Command::Render(options)) = parse("render a.ply -o a.png").unwrap().command else {
-        panic!("not render")
-    };
-    assert_eq!(options.drawing.engine, Engine::Fixed);
-    let work = &options.drawing.work;
-    assert_eq!(work.design, "standard24");
-    assert_eq!(
-        (options.drawing.depth, options.drawing.repeat),
-        (Depth::Eight, 1)
-    );
-    assert_eq!(
-        (work.traversal, work.compositing),
-        (None, Compositing::FrontToBack)
-    );
-    assert!(options.view.splats.rules.is_none() && options.view.camera.size.is_none());
 }
 
 #[test]

@@ -150,16 +150,18 @@ const SPACE: &str = "sample = \"grid\"\ncount = 20\nseed = 3\n[design]\nbase = [
 const FOOTPRINTS: &str = "index,u,v,depth,conic_a,conic_b,conic_c,x0,y0,x1,y1,cutoff,tiles\n0,8,4,1,1,0.5,1,6,2,10,6,4,0\n1,,,,,,,,,,,,\n\
 2,20.5,9.25,2e1,0.125,-0.1,0.25,16,4,30,16,3.5,0 1\n";
 
-/// The identity of a sweep of three points, and its table.
+/// The space of a sweep of three points.
+pub const SWEPT: &str = "[machine]\nlanes = [1, 2, 4]\n";
+
+/// The identity of that sweep, and its table.
 fn sweep() -> String {
-    let text = "[machine]\nlanes = [1, 2, 4]\n";
     let scene = synthetic::random_gaussians(3, 1, 2.0);
-    let space = Space::from_toml("space.toml", text).expect("a sound space");
+    let space = Space::from_toml("space.toml", SWEPT).expect("a sound space");
     let design = DesignChoice::named("lean18").expect("a named design");
     let camera = synthetic::camera(16, 16);
     let frame = Prepared::of_splats(scene, camera, Rules::GAUSSIAN_3D, design);
-    let subject = Subject::new(vec![&frame]).expect("a sound plan");
-    let identity = Identity::new(&subject, text, &[]).expect("a sound sweep");
+    let subject = Subject::new(vec![frame.into()]).expect("a sound plan");
+    let identity = Identity::new(&subject, SWEPT, &[]).expect("a sound sweep");
     let rows: String = [(0, 1), (1, 2), (2, 4)]
         .map(|(point, lanes)| {
             let row = format!("{point},{lanes},,,,,,,,,900,1,2,3,0.5,0.5,0.25,100,0,60.5,16.5,16.5,16.5,1,1000,2e6,0.5,1,2,3,4,5,6,7,8,900,0.5,");
