@@ -317,7 +317,7 @@ fn the_sweeps_page_answers() -> Result<()> {
     )?;
     let out = folder.path().join("out");
     let space = space.display();
-    let sweep = format!("sweep random:800 --size 128x96 --space {space}");
+    let sweep = format!("explore random:800 --size 128x96 --space {space}");
     splatline(&sweep, &out)?;
     browser.open(&out.join("front.html"), READY)?;
 

@@ -51,7 +51,7 @@ pub enum Command {
     #[command(after_help = include_str!("help/info.txt"))]
     Info(info::InfoOptions),
     /// Simulate a scene on a machine: cycles, memory traffic, energy and area.
-    #[command(after_help = include_str!("help/simulate.txt"))]
+    #[command(alias = "model", after_help = include_str!("help/simulate.txt"))]
     Simulate(machine_args::ModelOptions),
     /// Sweep designs and machines; Pareto front of error, cycles, area and energy.
     #[command(after_help = include_str!("help/sweep.txt"))]
@@ -63,7 +63,7 @@ pub enum Command {
     #[command(after_help = include_str!("help/fit.txt"))]
     Fit(search_args::FitOptions),
     /// Report which units, ranges, widths and FIFO depths a scene exercises.
-    #[command(after_help = include_str!("help/profile.txt"))]
+    #[command(alias = "needs", after_help = include_str!("help/profile.txt"))]
     Profile(search_args::ProfileOptions),
     /// Write the raster phase cycle by cycle for a trace viewer.
     #[command(after_help = include_str!("help/trace.txt"))]

@@ -48,6 +48,7 @@ use args::{Cli, Command};
 use clap::{CommandFactory, FromArgMatches};
 use resolve::PlanRequest;
 use say::printed;
+use search_args::LIMITS;
 use std::ffi::OsString;
 use std::process::ExitCode;
 
@@ -79,8 +80,41 @@ pub fn run_from<T: Into<OsString> + Clone>(words: impl IntoIterator<Item = T>) -
 fn parsed<T: Into<OsString> + Clone>(
     words: impl IntoIterator<Item = T>,
 ) -> Result<Cli, clap::Error> {
-    let command = with_negative_numbers(Cli::command());
+    let mut words: Vec<OsString> = words.into_iter().map(Into::into).collect();
+    let mut command = with_negative_numbers(Cli::command());
+    command.build();
+    take_earlier_name(&mut words, &command);
     Cli::from_arg_matches(&command.try_get_matches_from(words)?)
+}
+
+/// `explore` is the earlier name of two commands: a limit asks for the cheapest point, and without one the whole space
+/// is swept.
+fn take_earlier_name(words: &mut [OsString], command: &clap::Command) {
+    // Behind the one option of all commands.
+    let place = match words.get(1).map(|word| word.to_string_lossy()) {
+        Some(word) if word == "--memory" => 3,
+        Some(word) if word.starts_with("--memory=") => 2,
+        _ => 1,
+    };
+    if words.get(place).is_none_or(|word| word != "explore") {
+        return;
+    }
+    let optimize = command.find_subcommand("optimize");
+    let groups = optimize
+        .into_iter()
+        .flat_map(|command| command.get_groups());
+    let limits = groups.filter(|group| group.get_id() == LIMITS);
+    let names: Vec<String> = limits
+        .flat_map(|group| group.get_args())
+        .map(|id| format!("--{}", id.as_str().replace('_', "-")))
+        .collect();
+    let is_limit = |word: &OsString| {
+        let word = word.to_string_lossy();
+        let name = word.split('=').next().unwrap_or_default();
+        names.iter().any(|limit| limit == name)
+    };
+    let asks = words.iter().any(is_limit);
+    words[place] = if asks { "optimize" } else { "sweep" }.into();
 }
 
 /// A negative number after an option is its value, of which the range can be said, and not an option of that name; so

@@ -102,7 +102,7 @@ pub struct FormatOptions {
 }
 
 /// The group of all limits.
-const LIMITS: &str = "limits";
+pub const LIMITS: &str = "limits";
 
 /// What the pictures must hold.
 #[derive(Debug, Default, Args)]

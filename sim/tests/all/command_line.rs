@@ -337,7 +337,7 @@ fn a_files_order_is_honoured_or_refused() {
         let printed = shell.succeed(&format!("info {order}.glb"));
         assert!(printed.contains(&format!("sorted by {order}")), "{printed}");
         shell.succeed(&format!("render {order}.glb {view} -o x.png"));
-        shell.succeed(&format!("simulate {order}.glb {view}"));
+        shell.succeed(&format!("model {order}.glb {view}"));
         let (fixed, float) = (depths(order, "fixed"), depths(order, "float"));
         assert!(fixed.len() == 2 && float.len() == 2, "{fixed:?} {float:?}");
         for (a, b) in fixed.iter().zip(&float) {

@@ -226,7 +226,7 @@ fn a_report_counts_the_same_cycles_again() {
         assert!(first[key].is_object(), "{key}");
         assert_eq!(first[key], second[key]);
     }
-    shell.succeed("simulate --from a/report.json -o m");
+    shell.succeed("model --from a/report.json -o m");
     let timing = shell.json("m/timing.json");
     assert_eq!(timing["cycles"]["total"], first["cycles"]["total"]);
 }

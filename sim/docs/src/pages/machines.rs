@@ -254,7 +254,7 @@ fn add_plots(page: &mut Page, view: &View, design: &DesignChoice) -> Result<()> 
     let work = LaneWork::new(&workload, LaneShape::from(&config));
     let timing = simulate(&workload, &work, &config);
     let watched = watch(&workload, &work, &config, &timing);
-    page.add("Where the cycles of `primitive-4` go, which `splatline simulate -o` writes for any machine and scene:");
+    page.add("Where the cycles of `primitive-4` go, which `splatline model -o` writes for any machine and scene:");
     for plot in plots(&timing, &watched, &config) {
         let file = format!("machines-guitar-{}.svg", plot.file);
         page.add(format!("![{}]({file})", plot.title));

@@ -27,9 +27,9 @@ fn long_work_is_told() {
         render random:60 --size 16x16 -o ./p.png: loading random:60; drawing random:60; writing ; 2000 of 2000
         render random:60 --size 16x16 --engine exact --repeat 3 -o ./p.png: drawing random:60; 2000 of 2000
         compare random:60 --size 16x16 --only -o ./c: float reference; standard24 by spans; 2000 of 2000
-        profile random:60 --size 16x16: setting up every splat; the rows of every tile; the depths of every FIFO
+        needs random:60 --size 16x16: setting up every splat; the rows of every tile; the depths of every FIFO
         render ./h.csv --as surface --texture ./p.png --size 16x16 -o ./s.png: colours from ; drawing h.csv
-        simulate random:60 --size 16x16: walking the rows of every tile
+        model random:60 --size 16x16: walking the rows of every tile
         stability --only cases --quick: measuring hard cases against exact arithmetic";
     for case in table.trim().lines() {
         let (line, expected) = case.split_once(": ").unwrap();

@@ -24,9 +24,31 @@ fn each_command_shows_examples_that_parse() {
     assert!(tried > command.get_subcommands().count());
 }
 
-/// A part alone is no limit.
+/// Scripts keep working: earlier names run the same command with the same options, and the short list has the new ones
+/// alone.
 #[test]
-fn optimize_needs_a_limit() {
+fn earlier_names_of_commands_are_the_same_commands() {
+    for (name, now, options) in [
+        ("model", "simulate", "a.ply --set lanes=4 -o out"),
+        ("needs", "profile", "a.ply --max-error 0.01"),
+        ("explore", "sweep", "a.ply --space s.toml --no-error -o out"),
+        (
+            "--memory 100 explore",
+            "--memory 100 optimize",
+            "a.ply --fps=60 --max-error 0.004",
+        ),
+    ] {
+        let parsed = [name, now].map(|name| parse(&format!("{name} {options}")).unwrap());
+        let [earlier, now] = parsed.map(|cli| format!("{cli:?}"));
+        assert_eq!(earlier, now);
+    }
+    let help = Cli::command().render_help().to_string();
+    for name in ["simulate", "profile", "sweep", "optimize"] {
+        assert!(help.contains(&format!("\n  {name} ")), "{help}");
+    }
+    for name in ["model", "needs", "explore"] {
+        assert!(!help.contains(&format!("\n  {name} ")), "{help}");
+    }
     let refused = parse("optimize random:9 --part xc7a100t").unwrap_err();
     assert_eq!(refused.kind(), ErrorKind::MissingRequiredArgument);
 }

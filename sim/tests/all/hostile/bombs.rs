@@ -23,9 +23,9 @@ const SURFACE: &str = "render FILE --as surface --size 16x16 -o x.png";
 const CAMERA: &str = "render demo --camera FILE -o x.png";
 const PATH: &str = "render demo --camera-path FILE -o x.png";
 const DESIGN: &str = "render demo --design FILE -o x.png";
-const MACHINE: &str = "simulate demo --machine FILE";
-const SPACE: &str = "sweep demo --space FILE -o sweep";
-const TABLE: &str = "simulate --footprints FILE --size 16x16";
+const MACHINE: &str = "model demo --machine FILE";
+const SPACE: &str = "explore demo --space FILE -o sweep";
+const TABLE: &str = "model --footprints FILE --size 16x16";
 const TEXTURE: &str = "render grid.csv --as surface --texture FILE -o x.png";
 
 /// So many megabytes of zeros, packed: members of a gzip stream may follow each other.

@@ -8,14 +8,14 @@ use super::shell::{Shell, holds};
 #[test]
 fn model_writes_accounts_and_the_resolved_machine() {
     let shell = Shell::new();
-    let printed = shell.results("simulate SCENE --set lanes=4 -o out");
+    let printed = shell.results("model SCENE --set lanes=4 -o out");
     assert!(printed.contains("simulated cycles per second"));
     let timing = shell.json("out/timing.json");
     let luts = timing["area"]["raster"]["luts"].as_u64().unwrap();
     let area = format!("area: raster units {luts} LUT");
     holds(&printed, &[&area, "Xilinx 7"]);
     assert!(shell.read("out/machine.toml").contains("lanes = 4"));
-    let again = shell.results("simulate SCENE --machine out/machine.toml");
+    let again = shell.results("model SCENE --machine out/machine.toml");
     assert_eq!(again.lines().next(), printed.lines().next());
 }
 
@@ -23,7 +23,7 @@ fn model_writes_accounts_and_the_resolved_machine() {
 #[test]
 fn model_says_what_a_picture_takes_and_for_what() {
     let shell = Shell::new();
-    let printed = shell.results("simulate SCENE -o out");
+    let printed = shell.results("model SCENE -o out");
     let energy = &shell.json("out/timing.json")["energy"];
     let attojoules = energy["attojoules"].as_u64().unwrap();
     let energy = format!("energy: {:.4} mJ a frame", attojoules as f64 / 1e15);
@@ -34,7 +34,7 @@ fn model_says_what_a_picture_takes_and_for_what() {
     let shipped = splatline_sim::machine::energy::SHIPPED;
     shell.write("mine.toml", shipped.replace("pj = 3.1", "pj = -3.1"));
     let expected = "mine.toml:31: multiplier.pj = -3.1: allowed are numbers above 0";
-    shell.refused(1, "simulate SCENE --energy mine.toml", expected);
+    shell.refused(1, "model SCENE --energy mine.toml", expected);
 }
 
 /// A part needs a clock; with one the report says what it did, and its requests come out for the simulators of DRAM.
@@ -43,9 +43,9 @@ fn a_memory_part_is_a_setting_and_its_requests_are_a_trace() {
     let shell = Shell::new();
     let part = "--set memory_part=ddr3-1600-x16";
     let expected = "memory_part = \"ddr3-1600-x16\": allowed with a clock_mhz of 1 to 10000";
-    shell.refused(2, &format!("simulate SCENE {part}"), expected);
+    shell.refused(2, &format!("model SCENE {part}"), expected);
     let part = format!("{part} --set clock_mhz=100");
-    let printed = shell.results(&format!("simulate SCENE {part}"));
+    let printed = shell.results(&format!("model SCENE {part}"));
     holds(&printed, &["memory ddr3-1600-x16: ", "row"]);
     for (format, first) in [("ramulator2", "LD 0x0\n"), ("dramsim3", "0x0 READ 0\n")] {
         let printed = shell.results(&format!("trace SCENE {part} --format {format} -o r.txt"));
@@ -62,7 +62,7 @@ fn a_memory_part_is_a_setting_and_its_requests_are_a_trace() {
 #[test]
 fn machines_of_others_stand_beside_ours() {
     let shell = Shell::new();
-    let printed = shell.results("simulate SCENE --machines -o out");
+    let printed = shell.results("model SCENE --machines -o out");
     for name in [
         "box-tiles",
         "sub-tiles",
@@ -79,7 +79,7 @@ fn machines_of_others_stand_beside_ours() {
     let live = |machine: &serde_json::Value| machine["cycles"]["pixels"]["live"].as_u64().unwrap();
     assert_eq!(live(&machines[0]), live(&machines[1]));
     assert_eq!(
-        shell.run("simulate SCENE --machines --set lanes=4").code,
+        shell.run("model SCENE --machines --set lanes=4").code,
         Some(2)
     );
 }
@@ -160,19 +160,19 @@ fn formats_stand_beside_fixed_designs() {
 fn area_is_counted_for_a_family_or_by_prices_of_ones_own() {
     let shell = Shell::new();
     shell.write("p.toml", "family = \"ice40\"\nluts_per_dsp = 1.0\n");
-    let ecp5 = shell.results("simulate SCENE --family ecp5");
+    let ecp5 = shell.results("model SCENE --family ecp5");
     holds(&ecp5, &["area for ECP5", "of its synthesis"]);
-    let own = shell.results("simulate SCENE --calibration p.toml");
+    let own = shell.results("model SCENE --calibration p.toml");
     holds(&own, &["not held against any synthesis"]);
     shell.write("p.toml", "luts_per_dps = 1.0\n");
-    shell.refused(1, "simulate SCENE --calibration p.toml", "luts_per_dps");
+    shell.refused(1, "model SCENE --calibration p.toml", "luts_per_dps");
 }
 
 #[test]
 fn a_table_of_footprints_is_timed_like_the_scene_it_came_from() {
     let shell = Shell::new();
     shell.results("footprints SCENE -o f.csv");
-    let from_table = "simulate --footprints f.csv --screen 48x32";
+    let from_table = "model --footprints f.csv --screen 48x32";
     let printed = shell.results(from_table);
     holds(&printed, &["cycles = geometry", "0 left out"]);
     let cycles = |printed: &str| {
@@ -187,11 +187,11 @@ fn a_table_of_footprints_is_timed_like_the_scene_it_came_from() {
         let ratio = cycles(printed) / cycles(scene);
         assert!((ratio - 1.0).abs() < 0.002, "{printed} {scene}");
     };
-    near(&printed, &shell.results("simulate SCENE"));
+    near(&printed, &shell.results("model SCENE"));
     // Without opacities nothing finishes; nor does anything in an X-ray.
     let whole = shell.read("f.csv");
     shell.write("f.csv", whole.replace("opacity", "unknown"));
-    let x_ray = shell.results("simulate SCENE --compositing x-ray");
+    let x_ray = shell.results("model SCENE --compositing x-ray");
     near(&shell.results(from_table), &x_ray);
     let without: String = whole
         .lines()
@@ -201,13 +201,13 @@ fn a_table_of_footprints_is_timed_like_the_scene_it_came_from() {
     let refused = shell.refused(1, from_table, "no cut-off");
     holds(&refused, &["--cutoff"]);
     shell.write("empty.csv", "");
-    shell.refused(1, "simulate --footprints empty.csv", "no column 'u'");
+    shell.refused(1, "model --footprints empty.csv", "no column 'u'");
 }
 
 #[test]
 fn needs_fit_and_trace_answer() {
     let shell = Shell::new();
-    let needs = shell.results("profile SCENE --json n.json");
+    let needs = shell.results("needs SCENE --json n.json");
     holds(&needs, &["row_fifo", "layers: at most"]);
     let fit = shell.results("fit SCENE --max-error 0.02 -o d.toml");
     assert!(fit.contains("binding width"));
@@ -230,9 +230,9 @@ fn bad_machines_name_key_line_and_range() {
     let shell = Shell::new();
     shell.write("m.toml", "[lanes]\nlanes = 5\n");
     shell.refuses(
-        "1 simulate SCENE --machine m.toml => m.toml:2: lanes.lanes = 5: allowed are 1, 2, 4
-         2 simulate SCENE --set lanes=5 => lanes = 5: allowed are
-         2 simulate SCENE --set lane=4 => did you mean lanes
+        "1 model SCENE --machine m.toml => m.toml:2: lanes.lanes = 5: allowed are 1, 2, 4
+         2 model SCENE --set lanes=5 => lanes = 5: allowed are
+         2 model SCENE --set lane=4 => did you mean lanes
          2 trace SCENE --format vcd --first 9 --last 3 -o x => smaller",
     );
 }

@@ -5,10 +5,10 @@ use super::*;
 #[test]
 fn a_pace_says_whose_clock_it_goes_by() {
     let shell = Shell::new();
-    let assumed = shell.results("simulate SCENE");
+    let assumed = shell.results("model SCENE");
     holds(&assumed, &["assumed: no clock_mhz was given"]);
     let machine = "--set clock_mhz=200 --set overlap_frames=2 --part XC7A100T";
-    let given = shell.results(&format!("simulate SCENE {machine} -o out"));
+    let given = shell.results(&format!("model SCENE {machine} -o out"));
     let clock = "clock: 200 MHz (clock_mhz of the machine)";
     holds(&given, &[clock, "part XC7A100T (DS180"]);
     let timing = shell.json("out/timing.json");
@@ -20,9 +20,9 @@ fn a_pace_says_whose_clock_it_goes_by() {
     assert_eq!(timing["area"]["part"]["dsps"], 240);
     assert!(shell.read("out/timing.html").contains("<svg"));
     shell.refuses(
-        "2 simulate SCENE --set clock_mhz=10001 => --set: clock_mhz = 10001: allowed are 0 to 10000
-         2 simulate SCENE --set packet_cache=100 => packet_cache = 100: allowed are 0, 16, 32
-         2 simulate SCENE --part xc2000 => unknown part 'xc2000': there are ice40up5k",
+        "2 model SCENE --set clock_mhz=10001 => --set: clock_mhz = 10001: allowed are 0 to 10000
+         2 model SCENE --set packet_cache=100 => packet_cache = 100: allowed are 0, 16, 32
+         2 model SCENE --part xc2000 => unknown part 'xc2000': there are ice40up5k",
     );
 }
 
@@ -35,7 +35,7 @@ fn many_frames_are_one_report() {
     shell.write("keys.toml", PATH);
     let by_path = "random:200:1 --size 32x24 --camera-path keys.toml";
 
-    let printed = shell.results(&format!("simulate {by_path} -o model"));
+    let printed = shell.results(&format!("model {by_path} -o model"));
     holds(&printed, &["12 frames, the worst is random:200:1, frame "]);
     let timing = shell.json("model/timing.json");
     let ms: Vec<f64> = timing["frames"]
@@ -74,12 +74,12 @@ fn many_frames_are_one_report() {
     let page = shell.read("compare/frames.html");
     assert!(page.contains("frame-0012/report.html"));
 
-    let needed = shell.results("profile random:100:1 random:100:2 --size 24x24");
+    let needed = shell.results("needs random:100:1 random:100:2 --size 24x24");
     holds(&needed, &["random:100:1: ", "random:100:2: "]);
     shell.write("keys.toml", PATH.replace("12", "0"));
     shell.refuses(
-        "2 simulate random:9 --camera-path k.toml --fov 40 => --camera-path
-         1 simulate random:9 --camera-path keys.toml => keys.toml:1: frames = 0: allowed are 1 to 100000",
+        "2 model random:9 --camera-path k.toml --fov 40 => --camera-path
+         1 model random:9 --camera-path keys.toml => keys.toml:1: frames = 0: allowed are 1 to 100000",
     );
 }
 
@@ -92,7 +92,7 @@ fn a_kept_order_has_a_gain_and_an_error() {
     let scene = "random:2000:1 --size 64x48";
     let path = "--camera-path keys.toml";
     let every = "--set sort_passes=8 --set sort_every=4";
-    let printed = shell.results(&format!("simulate {scene} {path} {every} -o out"));
+    let printed = shell.results(&format!("model {scene} {path} {every} -o out"));
     let against = "against exact order    PSNR worst ";
     holds(&printed, &["order kept in 6 of 8 frames", against]);
     let timing = shell.json("out/timing.json");
@@ -114,10 +114,10 @@ fn a_kept_order_has_a_gain_and_an_error() {
         assert!(kept["error"]["max_abs"].as_f64().unwrap() > 0.0);
     }
     shell.refuses(&format!(
-        "2 simulate {scene} {every} => sort_every = 4: allowed is 1 here
-         2 profile {scene} {every} => sort_every = 4: allowed is 1 here
-         2 simulate {scene} {path} --set sort_every=4 => allowed is 1 with a sort_passes below 2
-         2 simulate {scene} {path} --set sort_every=1025 => sort_every = 1025: allowed are 1 to 1024"
+        "2 model {scene} {every} => sort_every = 4: allowed is 1 here
+         2 needs {scene} {every} => sort_every = 4: allowed is 1 here
+         2 model {scene} {path} --set sort_every=4 => allowed is 1 with a sort_passes below 2
+         2 model {scene} {path} --set sort_every=1025 => sort_every = 1025: allowed are 1 to 1024"
     ));
 }
 
@@ -129,37 +129,37 @@ fn a_question_has_one_answer() {
     let fields = "[design]\nmantissa = { from = 12, to = 24 }\nalpha = { from = 8, to = 24 }\n[machine]\nlanes = [1, 2, 4]\n\
                   rows_at_once = [1, 2]\nread_bandwidth = [4, 8]\nwrite_bandwidth = [4]\n";
     shell.write("s.toml", fields);
-    let optimize = "optimize SCENE --space s.toml";
+    let explore = "explore SCENE --space s.toml";
     let limits = "--fps 500 --max-error 0.01 --part xc7a200t --set clock_mhz=50";
-    let printed = shell.results(&format!("{optimize} {limits} -o out"));
+    let printed = shell.results(&format!("{explore} {limits} -o out"));
     let cheapest = "cheapest point that holds all limits";
     holds(&printed, &[cheapest, "  next      +"]);
     let answer = shell.json("out/answer.json");
     let reached = &answer["answer"]["found"][0]["reached"];
-    let model = "simulate SCENE --design out/design.toml --machine out/machine.toml -o model";
+    let model = "model SCENE --design out/design.toml --machine out/machine.toml -o model";
     shell.results(model);
     let timing = shell.json("model/timing.json");
     assert_eq!(timing["pace"], reached["pace"]);
     assert_eq!(timing["area"]["luts_in_all"], reached["area"]["weight"]);
     let base = "[design]\nbase = [\"lean18\", \"out/design.toml\"]\n";
     shell.write("s.toml", base);
-    let printed = shell.results("sweep SCENE --space s.toml -o swept");
+    let printed = shell.results(&format!("{explore} -o swept"));
     holds(&printed, &["2 points, 2 of them new", "assumed clock"]);
     let points = shell.read("swept/points.csv");
     let heading = points.lines().next().unwrap();
     holds(heading, &["frames_per_s,ms_per_frame"]);
 
-    shell.results(&format!("{optimize} --max-energy 0.5 -o energy"));
+    shell.results(&format!("{explore} --max-energy 0.5 -o energy"));
     let energy = &shell.json("energy/answer.json")["answer"]["standings"][0];
     assert_eq!(energy["limit"]["of"], "--max-energy");
     let reached = energy["value"].as_f64().unwrap();
-    let model = "simulate SCENE --design energy/design.toml --machine energy/machine.toml";
+    let model = "model SCENE --design energy/design.toml --machine energy/machine.toml";
     let printed = shell.results(model);
     assert!(reached > 0.0, "{reached}");
     holds(&printed, &[&format!("energy: {reached:.4} mJ a frame")]);
     // The answer is printed, and scripts need not read it.
     let without = |limits: &str| {
-        let said = shell.run(&format!("{optimize} {limits}"));
+        let said = shell.run(&format!("{explore} {limits}"));
         assert_eq!(said.code, Some(1), "{limits}: {}", said.stderr);
         holds(&said.stderr, &["no point holds all limits"]);
         String::from_utf8(said.stdout).unwrap()
@@ -167,11 +167,11 @@ fn a_question_has_one_answer() {
     let none = without("--max-energy 1e-9");
     let energy = "mJ a frame (--max-energy): asked for at most";
     holds(&none, &["refused before any simulation", energy]);
-    let printed = shell.refused(2, "optimize SCENE --max-energy=-1", "--max-energy");
+    let printed = shell.refused(2, "explore SCENE --max-energy=-1", "--max-energy");
     holds(&printed, &["larger than 0"]);
     let none = without("--fps 1000000 --lut 10");
     let fps = "frames a second (--fps): asked for at least 1000000.00, at most ";
     let luts = "LUT (--lut): asked for at most 10, at least ";
     holds(&none, &[fps, luts]);
-    shell.refused(2, "sweep SCENE -o out", "--space");
+    shell.refused(2, "explore SCENE -o out", "--space");
 }

@@ -9,7 +9,7 @@ fn a_sweep_is_resumed_and_has_a_front() {
     let shell = Shell::new();
     let space = "[design]\nmantissa = [14, 18]\n[machine]\nlanes = [1, 4]\nrow_fifo = [2, 8]\n";
     shell.write("s.toml", space);
-    let sweep = "sweep SCENE --space s.toml -o whole";
+    let sweep = "explore SCENE --space s.toml -o whole";
     holds(&shell.results(sweep), &["8 points, 8 of them new"]);
     holds(&shell.results(sweep), &["8 points, 0 of them new"]);
     let page = shell.read("whole/front.html");
@@ -33,7 +33,7 @@ fn a_sweep_over_frames_has_worst_percentile_and_mean() {
         "[machine]\nlanes = [1, 4]\nlayout = [\"rows\", \"quad\"]\n",
     );
     let frames = "random:200:1 random:100:2 --size 32x24 --camera-path keys.toml";
-    let sweep = format!("sweep {frames} --space s.toml -o out");
+    let sweep = format!("explore {frames} --space s.toml -o out");
     holds(&shell.results(&sweep), &["4 points, 4 of them new"]);
     let table = shell.read("out/points.csv");
     let heading: Vec<&str> = table.lines().next().unwrap().split(',').collect();
@@ -47,7 +47,7 @@ fn a_sweep_over_frames_has_worst_percentile_and_mean() {
         .unwrap();
     assert_eq!(column(line, "frames"), "6");
     let machine = "--set lanes=4 --set layout=rows";
-    let printed = shell.results(&format!("simulate {frames} {machine} -o model"));
+    let printed = shell.results(&format!("model {frames} {machine} -o model"));
     assert!(printed.contains("6 frames, the worst is"), "{printed}");
     let timing = shell.json("model/timing.json");
     let spread = &timing["over_frames"]["ms_per_frame"];
@@ -109,7 +109,7 @@ fn a_sweep_of_anything_else_is_not_resumed() {
     let scene = seed("scene.splat");
     shell.write("a.splat", &scene);
     let files = "--design d.toml --machine m.toml --calibration p.toml --space s.toml";
-    let sweep = format!("sweep a.splat --size 16x16 {files} --no-error -o known");
+    let sweep = format!("explore a.splat --size 16x16 {files} --no-error -o known");
     shell.succeed(&sweep);
     let refused = |expected: &str, more: &str| {
         let printed = shell.refused(1, &format!("{sweep} {more}"), "holds another sweep");
@@ -147,7 +147,7 @@ fn a_sweep_of_anything_else_is_not_resumed() {
 fn an_altered_sweep_is_not_resumed() {
     let shell = Shell::new();
     shell.write("s.toml", "[machine]\nrow_fifo = [1, 2, 3, 4]\n");
-    let sweep = "sweep SCENE --space s.toml -o out";
+    let sweep = "explore SCENE --space s.toml -o out";
     shell.results(sweep);
     let sound = shell.read("out/points.csv");
     let altered = |from: &str, to: &str, expected: &str| {
@@ -180,7 +180,7 @@ fn an_interrupted_sweep_goes_on() {
         format!("{designs}\n[machine]\nlanes = [1, 4]\nrow_fifo = [2, 8]\n"),
     );
     // Large enough that it takes a while after its first rows.
-    let large = "sweep random:3000:1 --size 160x120 --space s.toml";
+    let large = "explore random:3000:1 --size 160x120 --space s.toml";
     let (whole, stopped) = (format!("{large} -o whole"), format!("{large} -o stopped"));
     shell.results(&whole);
     let table = shell.path("stopped/points.csv");
