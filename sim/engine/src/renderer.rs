@@ -38,6 +38,7 @@ use crate::threads;
 use rayon::{ThreadPool, ThreadPoolBuildError};
 use splatline::blend::Pixel;
 use splatline::format::Traversal;
+use splatline::splat::VolumeSplat;
 use std::borrow::Borrow;
 use std::path::Path;
 use std::time::Instant;
