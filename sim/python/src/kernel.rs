@@ -186,14 +186,16 @@ impl Kernel {
             let missing = || format!("splat {index}: there are {}", splats.len());
             let splat = splats.get(*index).with_context(missing);
             let (mut packet, mut key) = ([0; WORDS], 0);
-            reasons.push(match setup(self.design, view, &self.table.rules, raise(splat)?) {
-                Ok(footprint) => {
-                    packet = layout.encode(&footprint);
-                    key = footprint.depth as i64;
-                    None
-                }
-                Err(reason) => Some(cull_name(reason)),
-            });
+            reasons.push(
+                match setup(self.design, view, &self.table.rules, raise(splat)?) {
+                    Ok(footprint) => {
+                        packet = layout.encode(&footprint);
+                        key = footprint.depth as i64;
+                        None
+                    }
+                    Err(reason) => Some(cull_name(reason)),
+                },
+            );
             keys.push(key);
             words.extend(&packet[..layout.words()]);
         }
