@@ -16,9 +16,6 @@ pub struct Netlist {
 pub struct NetlistModule {
     pub ports: BTreeMap<String, NetlistPort>,
     pub cells: BTreeMap<String, NetlistCell>,
-    /// nextpnr's, by their names.
-    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-    pub settings: BTreeMap<String, String>,
     #[serde(flatten)]
     rest: BTreeMap<String, Value>,
 }
