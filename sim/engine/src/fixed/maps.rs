@@ -1,10 +1,12 @@
 //! Maps of the kernel's own picture: what its words say a pixel is made of, for those who look for a splat in a
 //! co-simulation.
 //!
-//! Opacities are those that [`Painter::visit`](splatline::draw::Painter::visit) hands out, and transmittance is the kernel's word, so alpha is the
+//! Opacities are those that [`Painter::visit`] hands out, and transmittance is the kernel's word, so alpha is the
 //! picture's, bit for bit. A machine needs beside a pixel's word of [`Pixel`] two counters, two numbers of splats and
 //! the largest contribution so far (a word of transmittance and a comparison), and for depths a multiplication and an
 //! addition; depths and normals themselves come from the host.
+//!
+//! [`Painter::visit`]: splatline::draw::Painter::visit
 
 use super::deep::sort_by_depth;
 use super::frame::{TileLists, paint_apart};
