@@ -13,8 +13,9 @@ mod image {
 
     #[unsafe(no_mangle)]
     fn image_main() {
+        let memory = &raw mut MEMORY;
         // SAFETY: called once, on one core without interrupts.
-        let memory = unsafe { &mut *&raw mut MEMORY };
+        let memory = unsafe { &mut *memory };
         let mut panel = Panel::default();
         let drawn = draw(memory, &mut panel);
         let stack = board::stack_used();

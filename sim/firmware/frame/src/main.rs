@@ -43,8 +43,9 @@ mod image {
 
     #[unsafe(no_mangle)]
     fn image_main() {
+        let memory = &raw mut MEMORY;
         // SAFETY: called once, on one core without interrupts.
-        let memory = unsafe { &mut *&raw mut MEMORY };
+        let memory = unsafe { &mut *memory };
         frames(memory, board::print);
         board::print("stack", board::stack_used());
     }
