@@ -73,3 +73,15 @@ impl Histograms {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn classes_double() {
+        let histogram = Histogram::of([0, 1, 2, 3, 4, 7, 8]);
+        assert_eq!(histogram.classes, [1, 1, 2, 2, 1]);
+        assert_eq!((histogram.sum, histogram.largest), (25, 8));
+    }
+}

@@ -196,8 +196,8 @@ impl TryFrom<CameraFile> for Camera {
 
 /// What a camera is taken from in a report.json, or what tells that from a camera file.
 #[derive(Deserialize)]
-struct ReportFile<Camera> {
-    camera: Camera,
+struct ReportFile<T> {
+    camera: T,
 }
 
 fn default_near() -> f64 {

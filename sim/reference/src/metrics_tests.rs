@@ -262,3 +262,16 @@ fn similarity_to_a_photograph_is_the_trainers() {
     let inside = colour_error(&grey(&drawn), &grey(&photograph)).ssim;
     assert!(close(inside, 0.6048744374957827, 1e-9), "{inside}");
 }
+
+#[test]
+fn a_constant_offset_gives_its_textbook_figures() {
+    let float = picture(20, 15, |_, _, _| 0.5);
+    let fixed = picture(20, 15, |_, _, c| if c == 3 { 0.5 } else { 0.51 });
+    let errors = compare(&fixed, &float).unwrap();
+    assert!(close(errors.colour.psnr_db, 40.0, 1e-9), "{errors:?}");
+    assert!(close(errors.colour.max_abs, 0.01, 1e-12));
+    assert!(close(errors.colour.bias, 0.01, 1e-12));
+    assert_eq!(errors.alpha.psnr_db, f64::INFINITY);
+    assert_eq!((errors.alpha.max_abs, errors.alpha.bias), (0.0, 0.0));
+    assert!(close(errors.alpha.ssim, 1.0, 1e-12));
+}

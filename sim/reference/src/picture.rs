@@ -261,6 +261,19 @@ mod tests {
     }
 
     #[test]
+    fn rgb_without_alpha_is_opaque() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("rgb.png");
+        image::RgbImage::from_pixel(2, 1, image::Rgb([255, 51, 0]))
+            .save(&path)
+            .unwrap();
+        assert_eq!(
+            Picture::read_png(&path).unwrap().pixels,
+            [[1.0, 0.2, 0.0, 1.0]; 2]
+        );
+    }
+
+    #[test]
     fn opaque_pictures_stand_on_their_background() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("ramp.png");

@@ -11,6 +11,7 @@ use crate::scene::Weight;
 use crate::surface::Buffer;
 use crate::systems::SystemVerdict;
 use anyhow::{Context, Result, ensure};
+use serde::Deserialize;
 use serde_json::Value;
 use splatline::format::Traversal;
 
@@ -43,16 +44,22 @@ impl Prepared {
     }
 }
 
+/// What is read of a report, of whatever version its other fields are.
+#[derive(Deserialize)]
+struct RecordedPlan {
+    #[serde(default)]
+    plan: Value,
+}
+
 impl Plan {
-    /// The plan that the text of a report records, of whatever version its other fields are.
+    /// The plan that the text of a report records.
     pub fn from_report(text: &str) -> Result<Plan> {
-        let mut report: Value = serde_json::from_str(text).context("not a report.json")?;
-        let plan = report.get_mut("plan").map(Value::take).unwrap_or_default();
+        let report: RecordedPlan = serde_json::from_str(text).context("not a report.json")?;
         ensure!(
-            !plan.is_null(),
+            !report.plan.is_null(),
             "it records no \"plan\": write it again with this version's render --json or compare"
         );
-        serde_json::from_value(plan).context("its \"plan\" is none of this version")
+        serde_json::from_value(report.plan).context("its \"plan\" is none of this version")
     }
 
     /// How pixels gather, in a report's words.

@@ -1,13 +1,15 @@
-//! Texture coefficients against naive sums, and a drawing of them; the golden table has it in fixed point.
+//! Texture coefficients against naive sums, and textured surfaces in fixed point against the reference.
 
 use super::shell::{Shell, holds};
 use splatline_sim::camera::Camera;
-use splatline_sim::reference;
+use splatline_sim::design::DesignChoice;
+use splatline_sim::metrics::compare;
 use splatline_sim::scene::points::height_field::HeightField;
 use splatline_sim::surface::Style;
 use splatline_sim::texture::Texture;
 use splatline_sim::texture::coefficients::{Method, SamplePoint, coefficients};
 use splatline_sim::texture::drape::{drape, sample_points};
+use splatline_sim::{fixed, reference};
 
 const CUTOFF: f64 = 2.0;
 
@@ -224,6 +226,28 @@ fn a_magnified_drawing_converges_to_the_texture_function() {
     };
     let (coarse, fine) = (worst(80.0), worst(640.0));
     assert!(fine < 0.012 && fine < 0.5 * coarse, "{coarse} {fine}");
+}
+
+#[test]
+fn a_textured_height_field_agrees_in_fixed_point() {
+    let (field, texture) = hill();
+    let (eye, target) = ([0.4, -2.5, 1.8], [0.0, 0.0, 0.1]);
+    let camera = Camera::look_at(eye, target, [0.0, 0.0, 1.0], 45.0, 96, 72).unwrap();
+    let design = DesignChoice::named("standard24").unwrap();
+    for method in Method::ALL {
+        let scene = drape(&field, "hill", &texture, method, CUTOFF).unwrap();
+        let style = Style::opaque(scene.usual_threshold());
+        let drawn = fixed::surface::draw(&scene, &camera, &style, &design, design.traversal);
+        let float = reference::surface::draw(&scene, &camera, &style);
+        let errors = compare(&drawn.picture, &float.picture).unwrap();
+        for group in [errors.colour, errors.alpha] {
+            assert!(
+                group.psnr_db >= 60.0 && group.bias.abs() <= 5e-4,
+                "{group:?}"
+            );
+        }
+        assert!(drawn.facts.coverage.covered > 10_000);
+    }
 }
 
 #[test]

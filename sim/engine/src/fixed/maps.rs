@@ -32,7 +32,8 @@ pub fn draw_maps(scene: &Scene, camera: &Camera, options: &Options) -> Vec<MapPi
     let places: Vec<(f64, Vector)> = places
         .map(|splat| depth_and_normal(splat, camera))
         .collect();
-    let mut seen = numbered(set_up(design, &quantised, best_engine()));
+    let outcomes = set_up(design, &quantised, best_engine());
+    let mut seen: Vec<(usize, Footprint)> = numbered(0, outcomes).collect();
     sort_by_depth(&mut seen);
     let (indices, footprints): (Vec<usize>, Vec<Footprint>) = seen.into_iter().unzip();
     let table = TableMemory::new(&widths, rules);

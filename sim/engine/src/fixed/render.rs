@@ -203,16 +203,22 @@ pub(super) fn seen(
     engine: PaintEngine,
 ) -> Vec<(usize, Footprint)> {
     let QuantisedScene { view, rules, .. } = quantised;
-    numbered(in_batches(&quantised.splats, |splats, outcomes| {
-        fast::set_up(design, view, rules, splats, outcomes, engine.vectors());
-    }))
+    let batch = |(number, splats): (usize, &[VolumeSplat])| {
+        let mut outcomes = vec![Err(Cull::Near); splats.len()];
+        fast::set_up(design, view, rules, splats, &mut outcomes, engine.vectors());
+        numbered(number * BATCH, outcomes)
+    };
+    let batches = quantised.splats.par_chunks(BATCH).enumerate();
+    batches.flat_map_iter(batch).collect()
 }
 
-/// Those that have a footprint, with their numbers.
-pub(super) fn numbered(outcomes: Vec<Outcome>) -> Vec<(usize, Footprint)> {
-    let numbered = outcomes.into_iter().enumerate();
-    let seen = numbered.filter_map(|(index, outcome)| Some((index, outcome.ok()?)));
-    seen.collect()
+/// Those that have a footprint, with their numbers from `first` on.
+pub(super) fn numbered(
+    first: usize,
+    outcomes: Vec<Outcome>,
+) -> impl Iterator<Item = (usize, Footprint)> {
+    let numbered = (first..).zip(outcomes);
+    numbered.filter_map(|(index, outcome)| Some((index, outcome.ok()?)))
 }
 
 /// Splats set up by one task.
@@ -224,19 +230,13 @@ pub fn set_up(
     quantised: &QuantisedScene,
     engine: PaintEngine,
 ) -> Vec<Outcome> {
-    in_batches(&quantised.splats, |splats, outcomes| {
-        set_up_part(design, quantised, engine, splats, outcomes);
-    })
-}
-
-fn in_batches(
-    splats: &[VolumeSplat],
-    set_up: impl Fn(&[VolumeSplat], &mut [Outcome]) + Sync,
-) -> Vec<Outcome> {
+    let splats = &quantised.splats;
     let mut outcomes: Vec<_> = splats.par_iter().map(|_| Err(Cull::Near)).collect();
     let places = outcomes.par_chunks_mut(BATCH);
     let batches = places.zip(splats.par_chunks(BATCH));
-    batches.for_each(|(outcomes, splats)| set_up(splats, outcomes));
+    batches.for_each(|(outcomes, splats)| {
+        set_up_part(design, quantised, engine, splats, outcomes);
+    });
     outcomes
 }
 

@@ -92,3 +92,20 @@ fn prices_can_be_replaced_and_misspellings_are_told() {
         assert!(problem.contains("c.toml"), "{problem}");
     }
 }
+
+#[test]
+fn the_estimate_of_a_machine_is_that_of_its_circuits() {
+    let widths = Lean18::WIDTHS;
+    for line in synthesis::synthesised() {
+        let synthesis::SynthesisedPart::Lanes(lanes) = line.part else {
+            continue;
+        };
+        if line.widths != widths {
+            continue;
+        }
+        let config = changed(Config::primitive(lanes), "raster_units=3");
+        let three = area(&widths, &config, line.family).raster;
+        let error = three.worst_error(&(line.fabric * 3));
+        assert!(error < 0.1, "{:?}, {lanes} lanes: {three}", line.family);
+    }
+}

@@ -7,7 +7,9 @@ mod messages;
 use super::args::*;
 use super::say::explain;
 use super::*;
+use crate::picture::Depth;
 use crate::plan::Engine;
+use crate::rules::Compositing;
 use clap::error::ErrorKind;
 
 fn parse(line: &str) -> Result<Cli, clap::Error> {

@@ -54,6 +54,40 @@ fn earlier_names_of_commands_are_the_same_commands() {
 }
 
 #[test]
+fn negative_coordinates_parse() {
+    let cli = parse(
+        "render a.ply -o a.png --eye -1,2,-3.5 --target 0,-0.5,1e1 --up 0,-1,0 --light -1,-1,0",
+    )
+    .unwrap();
+    let Some(Command::Render(options)) = cli.command else {
+        panic!("not render")
+    };
+    assert_eq!(options.view.camera.eye, Some([-1.0, 2.0, -3.5]));
+    assert_eq!(options.view.camera.target, Some([0.0, -0.5, 10.0]));
+    assert_eq!(options.view.camera.up, Some([0.0, -1.0, 0.0]));
+    assert_eq!(options.view.splats.light, Some([-1.0, -1.0, 0.0]));
+}
+
+#[test]
+fn defaults_are_those_of_the_help() {
+    let Some(Command::Render(options)) = parse("render a.ply -o a.png").unwrap().command else {
+        panic!("not render")
+    };
+    assert_eq!(options.drawing.engine, Engine::Fixed);
+    let work = &options.drawing.work;
+    assert_eq!(work.design, "standard24");
+    assert_eq!(
+        (options.drawing.depth, options.drawing.repeat),
+        (Depth::Eight, 1)
+    );
+    assert_eq!(
+        (work.traversal, work.compositing),
+        (None, Compositing::FrontToBack)
+    );
+    assert!(options.view.splats.rules.is_none() && options.view.camera.size.is_none());
+}
+
+#[test]
 fn every_cause_is_named_once() {
     let cause = std::io::Error::other("disk full");
     let quoting = anyhow::Error::new(cause)

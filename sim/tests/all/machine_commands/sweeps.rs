@@ -169,6 +169,16 @@ fn an_altered_sweep_is_not_resumed() {
     altered(row, &format!("{row}\n{row}"), "a second time");
 }
 
+/// A scene that nobody sees is swept, and its rows are read again.
+#[test]
+fn a_sweep_of_nothing_can_be_resumed() {
+    let shell = Shell::new();
+    shell.write("s.toml", "[machine]\nlanes = [1, 2]\n");
+    let away = "sweep SCENE --eye 0,0,900 --target 0,0,1000 --space s.toml -o out";
+    holds(&shell.succeed(away), &["2 points, 2 of them new"]);
+    holds(&shell.succeed(away), &["2 points, 0 of them new"]);
+}
+
 /// Stopped by Ctrl-C again and again, a sweep still ends with the rows of one that was left alone.
 #[cfg(unix)]
 #[test]
