@@ -19,6 +19,7 @@ module footprint_table (
   localparam KEPT = splatline_pkg::INTERPOLATION;
   localparam WEIGHT = splatline_pkg::WEIGHT;
   localparam STEP = splatline_pkg::STEP_BITS;
+  localparam LOWER = STEP < 18 ? STEP : 18;
 
   // Loaded before anything is drawn: an entry that is read while it is written is nobody's.
   (* no_rw_check *) logic [STEP+WEIGHT:0] entries[0:(1<<TABLE)-1];
@@ -31,13 +32,25 @@ module footprint_table (
   assign aligned = wide_table ? radial : radial << 2;
 
   // Stages 1 and 2: memory, and a register, since block RAM is slow. Stage 3: what the table says. Stage 4: the
-  // product.
+  // products of the step's lower 18 bits, which one multiplier takes, and of those above. Stage 5 adds them, since
+  // multipliers and their sum in one cycle would be the circuit's longest path.
   logic [STEP+WEIGHT:0] entry1, entry2;
   logic at_end1, at_end2, beyond1, beyond2;
   logic [KEPT-1:0] fraction1, fraction2, fraction3;
   logic [WEIGHT:0] low3, low4;
   logic [STEP-1:0] step3;
+  logic [LOWER+KEPT-1:0] lower4;
   logic [STEP+KEPT-1:0] product4;
+
+  generate
+    if (STEP > LOWER) begin : gen_upper
+      logic [STEP-LOWER+KEPT-1:0] upper4;
+      always_ff @(posedge clk) if (advance) upper4 <= step3[STEP-1:LOWER] * fraction3;
+      assign product4 = {upper4 + (STEP - LOWER + KEPT)'(lower4[LOWER+KEPT-1:LOWER]), lower4[LOWER-1:0]};
+    end else begin : gen_alone
+      assign product4 = lower4;
+    end
+  endgenerate
 
   // Rounded to nearest as the kernel does: low + ((-step fraction + half) >> KEPT), which is
   // ((low << KEPT) + half - step fraction) >> KEPT: halves round down, and one subtraction serves both.
@@ -59,7 +72,7 @@ module footprint_table (
       {step3, low3} <= beyond2 ? '0 : at_end2 ? end_entry : entry2;
       fraction3 <= fraction2;
       low4 <= low3;
-      product4 <= step3 * fraction3;
+      lower4 <= step3[LOWER-1:0] * fraction3;
       weight <= lowered4[WEIGHT+KEPT:KEPT];
     end
   end

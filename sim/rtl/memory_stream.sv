@@ -25,17 +25,22 @@ module memory_stream #(
   logic [31:0] left;
   logic free;
 
-  assign requested = left == 0;
+  // Known before the cycle in which it is asked: who reads next hangs on it, across the chip.
   assign read_valid = !requested && free;
   always_ff @(posedge clk) begin
     if (begins) begin
       left <= count;
+      requested <= count == 0;
       read_address <= first;
     end else if (read_valid && read_ready) begin
       left <= left - 1'b1;
+      requested <= left == 1;
       read_address <= read_address + 1'b1;
     end
-    if (rst) left <= 0;
+    if (rst) begin
+      left <= 0;
+      requested <= 1;
+    end
   end
 
   fifo #(

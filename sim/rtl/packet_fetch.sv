@@ -26,20 +26,25 @@ module packet_fetch #(
 );
   localparam INDEX = $clog2(WORDS);
   logic [31:0] left;
+  logic more;  // are there entries left?
   logic [1:0] entry;
   logic [INDEX-1:0] step, gathered;
   logic free, last, goes, takes, pending, word_out_valid, word_out_ready;
-  logic [127:0] word_out;
+  logic [127:0] word_out, numbers;
 
   // An entry's address is some sums, for which it has a cycle of its own, while the packet before is still asked for.
   assign last = step == INDEX'(WORDS - 1);
   assign read_valid = pending && free;
   assign goes = read_valid && read_ready;
-  assign takes = list_valid && left != 0 && (!pending || (goes && last));
-  // A word of the lists is used up with its last entry, or with the last of all.
-  assign list_ready = takes && (entry == 2'd3 || left == 1);
+  assign takes = !list_ready && more && (!pending || (goes && last));
 
   always_ff @(posedge clk) begin
+    // A word of the lists is used up with its last entry. The next one comes while the packet of that entry is asked
+    // for, so that nothing before it hangs on who takes it.
+    if (list_ready) begin
+      numbers <= list;
+      list_ready <= !list_valid;
+    end
     if (goes) begin
       step <= last ? '0 : step + 1'b1;
       read_address <= read_address + 1'b1;
@@ -47,15 +52,19 @@ module packet_fetch #(
     end
     if (takes) begin
       pending <= 1;
-      read_address <= base + splatline_math::times(list[32*entry+:32], 4'(WORDS));
+      read_address <= base + splatline_math::times(numbers[32*entry+:32], 4'(WORDS));
       entry <= entry + 1'b1;
+      list_ready <= entry == 2'd3;
       left <= left - 1'b1;
+      more <= left != 1;
     end
     if (begins) begin
       left <= entries;
+      more <= entries != 0;
       {entry, step} <= 0;
+      list_ready <= 1;
     end
-    if (rst) {left, pending} <= 0;
+    if (rst) {more, pending} <= 0;
   end
 
   fifo #(

@@ -1,7 +1,7 @@
-// Two words on their way to the memory: whether it takes one reaches nobody who writes in the same cycle.
+// Two words between a unit and the memory's port: whether one is taken reaches nobody who gives one in the same cycle.
 //
 // A word comes out in the cycle after it went in at the earliest, as from a register.
-module write_queue #(
+module register_slice #(
     parameter BITS = 8
 ) (
     input logic clk,

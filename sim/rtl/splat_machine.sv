@@ -77,6 +77,7 @@ module splat_machine #(
   localparam SUM = splatline_pkg::SUM_BITS;
 
   localparam READERS = HARMONICS == 0 ? 3 : 4;
+  logic [127:0] coming;  // word that was read, to whoever asked for it
 
   generate
     if (HARMONICS != 0 && !splatline_setup_pkg::DIRECTS) begin : gen_illegal
@@ -119,7 +120,7 @@ module splat_machine #(
       .read_address(stream_address),
       .requested(),
       .word_valid(stream_comes),
-      .word,
+      .word(coming),
       .out_valid(stream_valid),
       .out_ready(stream_ready),
       .out(stream_word)
@@ -188,7 +189,7 @@ module splat_machine #(
           .read_ready(read_ready_harmonics),
           .read_address(harmonics_address),
           .word_valid(harmonics_comes),
-          .word(word[95:0]),
+          .word(coming[95:0]),
           .colour_valid(coloured),
           .colour_ready(setup_valid && setup_ready && cull == 0),
           .colour
@@ -269,7 +270,7 @@ module splat_machine #(
       .read_ready(read_ready_order),
       .read_address(order_address),
       .word_valid(order_comes),
-      .word,
+      .word(coming),
       .write_valid(order_write),
       .write_ready(write_ready_order),
       .write_address(order_write_address),
@@ -306,7 +307,7 @@ module splat_machine #(
       .read_ready(read_ready_fetch),
       .read_address(fetch_address),
       .word_valid(fetch_comes),
-      .word,
+      .word(coming),
       .packet_valid,
       .packet_ready,
       .packet
@@ -319,7 +320,7 @@ module splat_machine #(
   logic [TILE_BITS-1:0] background_tile;
   logic [31:0] found_first, drawn_first, background_place;
   logic [23:0] found_entries;
-  logic tile_ready, primitive_ready, finish_ready, pixel_valid, pixel_ready;
+  logic tile_ready, primitive_ready, finish_ready, drawn_valid, drawn_ready, pixel_valid;
   splatline_pkg::window_t window;
   assign end_tile = finder_request ? found_tile[TILE_BITS-1:0] : background_tile;
   assign turn = state == DRAW || state == FINISH ? drawn_tile : found_tile;
@@ -360,10 +361,15 @@ module splat_machine #(
       .place(background_place)
   );
 
+  localparam PIXEL = splatline_pkg::TRANSMITTANCE + 2 + 3 * SUM;
+  logic [PIXEL-1:0] drawn_pixel;
   logic [splatline_pkg::TRANSMITTANCE+1:0] transmittance;
   logic [3*SUM-1:0] colour;
   logic [23:0] left;
-  assign packet_ready = state == DRAW && left != 0 && primitive_ready;
+  logic finish_valid;
+  assign finish_valid = state == FINISH && !pixel_valid;
+  // A tile that was found has splats, and its last one ends the state: none of the next tile's comes through.
+  assign packet_ready = state == DRAW && primitive_ready;
   splat_primitive #(
       .LANES(LANES),
       .BLOCK_WORDS(BLOCK_WORDS)
@@ -378,19 +384,33 @@ module splat_machine #(
       .tile_valid(state == TILE && found),
       .tile_ready,
       .tile(window),
-      .packet_valid(state == DRAW && left != 0 && packet_valid),
+      .packet_valid(state == DRAW && packet_valid),
       .packet_ready(primitive_ready),
       .packet(packet[splatline_pkg::PACKET_BITS-1:0]),
-      .finish_valid(state == FINISH),
+      .finish_valid(finish_valid),
       .finish_ready,
-      .pixel_valid,
-      .pixel_ready,
-      .pixel_transmittance(transmittance),
-      .pixel_colour(colour),
+      .pixel_valid(drawn_valid),
+      .pixel_ready(drawn_ready),
+      .pixel_transmittance(drawn_pixel[PIXEL-1:3*SUM]),
+      .pixel_colour(drawn_pixel[3*SUM-1:0]),
       .lanes_enable(1'b1),
       .raster_idle(),
       .idle(),
       .foreign_packets()
+  );
+
+  // Whether the port takes a pixel does not reach the lanes' memories in the same cycle.
+  register_slice #(
+      .BITS(PIXEL)
+  ) drawn_pixels (
+      .clk,
+      .rst,
+      .in_valid(drawn_valid),
+      .in_ready(drawn_ready),
+      .in(drawn_pixel),
+      .out_valid(pixel_valid),
+      .out_ready(writes_ready),
+      .out({transmittance, colour})
   );
 
   logic [31:0] pixels, pixels_left;
@@ -416,16 +436,16 @@ module splat_machine #(
         left <= left - 1'b1;
         if (left == 1) state <= FINISH;
       end
-      // The tile before has been read out.
+      // The tile before has been read out and is on its way to the memory.
       FINISH:
-      if (finish_ready) begin
+      if (finish_valid && finish_ready) begin
         state <= TILE;
         pixels <= drawn_first;
       end
       DRAIN: if (pixels_left == 0 && rests) state <= IDLE;
       default: ;
     endcase
-    if (pixel_valid && pixel_ready) pixels <= pixels + 1'b1;
+    if (pixel_valid && writes_ready) pixels <= pixels + 1'b1;
     if ((pixel_valid || background_valid) && writes_ready) pixels_left <= pixels_left - 1'b1;
     if (rst) state <= IDLE;
   end
@@ -451,10 +471,12 @@ module splat_machine #(
       .ready(readers_ready),
       .address(reader_addresses),
       .comes,
+      .coming,
       .read_valid(next_read_valid),
       .read_ready(next_read_ready),
       .read_address(next_read_address),
-      .word_valid
+      .word_valid,
+      .word
   );
   assign next_read_ready = !read_valid || read_ready;
   always_ff @(posedge clk) begin
@@ -468,10 +490,10 @@ module splat_machine #(
   logic [31:0] chosen_address;
   logic [127:0] chosen_word;
   logic [3:0] chosen_strobe;
-  assign pixel_ready = writes_ready;
   assign background_ready = writes_ready && !pixel_valid;
   assign store_ready = writes_ready;
-  assign write_ready_order = writes_ready && !stores;
+  // The sorter writes a splat when its packet's words have been stored.
+  assign write_ready_order = writes_ready;
   assign writes = pixel_valid || background_valid || stores || order_write;
   // The phase says whose word it may be, not whether there is one: that is known later.
   logic paints;
@@ -493,7 +515,7 @@ module splat_machine #(
     end
   end
   assign rests = settled && !write_valid;
-  write_queue #(
+  register_slice #(
       .BITS(164)
   ) writing (
       .clk,

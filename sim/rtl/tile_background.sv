@@ -25,7 +25,7 @@ module tile_background #(
   localparam COLUMN_BITS = splatline_pkg::TILE_COLUMN_BITS;
   localparam ROW_BITS = splatline_pkg::TILE_ROW_BITS;
 
-  logic found, last_pixel;
+  logic found, may_be_written, last_pixel;
   logic [TILE_BITS:0] tile;
   logic [31:0] first;
   splatline_pkg::window_t window;
@@ -58,10 +58,11 @@ module tile_background #(
   assign width = (COLUMN_BITS + 1)'(window.end_column - window.first_column);
   assign height = (ROW_BITS + 1)'(window.end_row - window.first_row);
   assign last_pixel = pixel == last;
-  assign pixel_valid = found && tile < turn;
+  assign pixel_valid = found && may_be_written;
   assign place = first + 32'(pixel);
   always_ff @(posedge clk) begin
-    // Of a tile's three cycles before it is found its window takes the first.
+    // A tile is found three cycles after the one before, of which its window takes the first.
+    may_be_written <= tile < turn;
     last <= (COLUMN_BITS + ROW_BITS)'(width * height) - 1'b1;
     if (pixel_valid && pixel_ready) pixel <= last_pixel ? '0 : pixel + 1'b1;
     if (begins) pixel <= 0;
