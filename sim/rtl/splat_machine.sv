@@ -387,7 +387,7 @@ module splat_machine #(
       .packet_valid(state == DRAW && packet_valid),
       .packet_ready(primitive_ready),
       .packet(packet[splatline_pkg::PACKET_BITS-1:0]),
-      .finish_valid(finish_valid),
+      .finish_valid,
       .finish_ready,
       .pixel_valid(drawn_valid),
       .pixel_ready(drawn_ready),
