@@ -14,7 +14,8 @@
 // product, and are asked then.
 module blend #(
     parameter ADDRESS = 10,
-    parameter SLOT_BITS = 4
+    parameter SLOT_BITS = 4,
+    parameter ADDED_BITS = 4  // of multiply.sv, for opacity and share
 ) (
     input logic clk,
     input logic rst,
@@ -75,7 +76,8 @@ module blend #(
   multiply #(
       .LEFT (PEAK),
       .RIGHT(WEIGHT + 1),
-      .RIGHT_UNIT(1)
+      .RIGHT_UNIT(1),
+      .ADDED_BITS(ADDED_BITS)
   ) opacity (
       .clk,
       .advance,
@@ -104,7 +106,8 @@ module blend #(
       .LEFT (T + 1),
       .RIGHT(ALPHA + 1),
       .LEFT_UNIT(APART),
-      .RIGHT_UNIT(1)
+      .RIGHT_UNIT(1),
+      .ADDED_BITS(ADDED_BITS)
   ) share (
       .clk,
       .advance,

@@ -2,8 +2,9 @@
 //
 // A multiplier of a board has some 18 bits; a wider product in one cycle would chain several of them and an adder. The
 // lowest part of a product needs no adder, and of the others never more than three are added, two where a factor fits
-// one multiplier. A part of up to four bits takes no multiplier but three additions, of which two stand in the first
-// cycle: with 18 bits it is 62 look-up tables of an ECP5, where multipliers are what a machine runs out of.
+// one multiplier. A part of up to ADDED_BITS bits, 4 at most, takes no multiplier but three additions, of which two
+// stand in the first cycle: with 18 bits it is 62 look-up tables of an ECP5, where multipliers are what a machine runs
+// out of. With 0 it takes one.
 //
 // The product's lowest 18 bits are there a cycle before it: a rounding that asks whether any of them is set need not
 // stand before an addition.
@@ -15,7 +16,8 @@ module multiply #(
     parameter LEFT = 18,
     parameter RIGHT = 18,
     parameter LEFT_UNIT = 0,
-    parameter RIGHT_UNIT = 0
+    parameter RIGHT_UNIT = 0,
+    parameter ADDED_BITS = 4
 ) (
     input logic clk,
     input logic advance,
@@ -25,8 +27,6 @@ module multiply #(
     output logic [LEFT+RIGHT-1:0] product
 );
   localparam PART = 18;
-  // Bits of a part that takes additions.
-  localparam FEW = 4;
   // Bits of the factors that multipliers take.
   localparam TALL = LEFT_UNIT ? LEFT - 1 : LEFT;
   localparam LONG = RIGHT_UNIT ? RIGHT - 1 : RIGHT;
@@ -53,13 +53,13 @@ module multiply #(
           always_ff @(posedge clk) if (advance) part <= b ? {1'b0, a} : {(A + 1) {1'b0}};
         end else if (A == 1) begin : gen_gates_left
           always_ff @(posedge clk) if (advance) part <= a ? {1'b0, b} : {(B + 1) {1'b0}};
-        end else if (NARROW <= FEW) begin : gen_additions
+        end else if (NARROW <= ADDED_BITS) begin : gen_additions
           logic [WIDE-1:0] wide;
-          logic [FEW-1:0] few;
+          logic [3:0] few;
           if (A < B) begin : gen_few_left
-            assign {wide, few} = {b, FEW'(a)};
+            assign {wide, few} = {b, 4'(a)};
           end else begin : gen_few_right
-            assign {wide, few} = {a, FEW'(b)};
+            assign {wide, few} = {a, 4'(b)};
           end
           // The products of two bits each.
           logic [WIDE+1:0] lower, upper;

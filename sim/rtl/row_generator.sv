@@ -1,4 +1,6 @@
-// From splats to runs of pixels: one row of a splat a cycle (`next_row` and `next_block` of src/raster/spans.rs).
+// From splats to runs of pixels: one row of a splat in INTERVAL cycles, 1 or 2 (`next_row` and `next_block` of
+// src/raster/spans.rs). With 2, which is as fast as one lane needs it, rows are issued in every other cycle since the
+// reset, and both products of dx and both alignments are one circuit each (row_seed.sv).
 //
 // Down the rows, xc and C dy^2 are differenced; then 32 stages compute the row's span by the root table and the lanes'
 // seed by two multiplications. The window must lie within one block of columns, so that a row is one run, and begin
@@ -9,7 +11,8 @@
 // row, with or without a run), so that nothing is stopped half way. A name's number is the stage: 0 while the row is
 // being issued.
 module row_generator #(
-    parameter LANE_BITS = 0  // of a row's number, which say the lane that it goes to
+    parameter LANE_BITS = 0,  // of a row's number, which say the lane that it goes to
+    parameter INTERVAL = 1
 ) (
     input logic clk,
     input logic rst,
@@ -45,12 +48,18 @@ module row_generator #(
   localparam PLACES = 64;
 
   // The splat whose rows are being issued: the row, and what is differenced down the rows.
-  logic busy, place, issue, none, some0;
+  logic busy, place, due, issue, none, some0;
   logic [ROW_BITS-1:0] row0;
   logic signed [CENTRE-1:0] centre0, shear0;
   logic signed [ROW-1:0] vertical0, first0, second0;
   splatline_pkg::shape_t shape0;
-  row_counter counter (.clk, .rst, .splat_valid, .splat_ready, .first(start.row), .rows(start.rows), .place, .busy, .issue, .row(row0), .some(some0));
+  row_counter counter (.clk, .rst, .splat_valid, .splat_ready, .first(start.row), .rows(start.rows), .place(place && due), .busy, .issue, .row(row0), .some(some0));
+  // Cycles since the reset: in odd ones no row is issued, and in even ones of a stage's number it is that stage's turn.
+  logic phase;
+  always_ff @(posedge clk) begin
+    phase <= !rst && !phase;
+    due <= INTERVAL == 1 || rst || phase;
+  end
   always_ff @(posedge clk) begin
     if (splat_ready) begin
       {centre0, shear0, vertical0, first0, second0} <= {start.centre, start.shear, start.vertical, start.first, start.second};
@@ -88,8 +97,8 @@ module row_generator #(
   logic squared_width_odd1;
   logic signed [E-1:0] squared_width_power1, squared_width_power8;
   logic [5:0] drop_dx1, drop_dx17, drop_dx20;
-  logic [M-1:0] horizontal1, horizontal22;
-  logic signed [E-1:0] drop_first1, drop_first22, drop_first24, drop_radial23, drop_radial27;
+  logic [M-1:0] horizontal1, horizontal;
+  logic signed [E-1:0] drop_first1, drop_first, drop_first22, drop_first24, drop_radial23, drop_radial27;
   logic [31:0] second1, unit1, unit28, balance1, balance2;
   always_ff @(posedge clk) begin
     row1 <= row0;
@@ -195,40 +204,30 @@ module row_generator #(
   delay #(.BITS(2 * 16 + 6), .STAGES(16)) hold_columns (.clk, .rst, .advance(1'b1), .in({start_column1, end_column1, drop_dx1}), .out({start_column17, end_column17, drop_dx17}));
   row_window cut (.clk, .low(low17), .high(high17), .start_column(start_column17), .end_column(end_column17), .x19, .holds20, .column20, .count20);
 
-  // Stage 22: dx, rounded, as a magnitude (`Seed::at`). Back to one in the same addition: -(q + d) = ~q + !d.
+  // Stage 21: dx, rounded, as a magnitude (`Seed::at`). Back to one in the same addition: -(q + d) = ~q + !d.
   logic signed [CENTRE:0] distance20;
   logic [M+4:0] fours21;
   logic [M+1:0] moved21;
   logic [1:0] rest21;
   logic negative21, negative22, negative24;
-  logic [M:0] dx22, dx25;
+  logic [M:0] dx21;
   delay #(.BITS(6), .STAGES(3)) hold_drop_dx (.clk, .rst, .advance(1'b1), .in(drop_dx17), .out(drop_dx20));
   // Shifted by fours, and in the next stage by what is left.
   assign moved21 = (M + 2)'(fours21 >> rest21);
+  assign dx21 = (negative21 ? ~moved21[M+1:1] : moved21[M+1:1]) + {{M{1'b0}}, moved21[0] != negative21};
   always_ff @(posedge clk) begin
     distance20 <= (coarse19 ? (CENTRE + 1)'(x19) << COARSE : (CENTRE + 1)'(x19) << FINE) - (CENTRE + 1)'(centre19);
     fours21 <= (M + 5)'($signed({distance20, 1'b0}) >>> {drop_dx20[5:2], 2'b00});
     rest21 <= drop_dx20[1:0];
     negative21 <= distance20[CENTRE];
-    dx22 <= (negative21 ? ~moved21[M+1:1] : moved21[M+1:1]) + {{M{1'b0}}, moved21[0] != negative21};
     negative22 <= negative21;
   end
-  delay #(.BITS(M + 1), .STAGES(3)) hold_dx (.clk, .rst, .advance(1'b1), .in(dx22), .out(dx25));
   delay #(.BITS(1), .STAGES(2)) hold_negative (.clk, .rst, .advance(1'b1), .in(negative22), .out(negative24));
-  delay #(.BITS(M + E), .STAGES(21)) hold_horizontal (.clk, .rst, .advance(1'b1), .in({horizontal1, drop_first1}), .out({horizontal22, drop_first22}));
-
-  // Stage 24: A dx. Stage 25: rounded to a mantissa. Stage 27: A dx^2, which is never negative.
-  logic [2*M:0] along24, along_rounded24;
-  logic [M:0] slant25;
-  logic [2*M+1:0] across27;
-  multiply #(.LEFT(M + 1), .RIGHT(M)) multiply_along (.clk, .advance(1'b1), .left(dx22), .right(horizontal22), .low(), .product(along24));
-  multiply #(.LEFT(M + 1), .RIGHT(M + 1)) multiply_across (.clk, .advance(1'b1), .left(slant25), .right(dx25), .low(), .product(across27));
-  // Halves up, whatever the sign.
-  assign along_rounded24 = along24 + (negative24 ? (2 * M + 1)'((1 << (M - 1)) - 1) : (2 * M + 1)'(1 << (M - 1)));
-  always_ff @(posedge clk) slant25 <= along_rounded24[2*M:M];
+  delay #(.BITS(M + E), .STAGES(22 - INTERVAL)) hold_horizontal (.clk, .rst, .advance(1'b1), .in({horizontal1, drop_first1}), .out({horizontal, drop_first}));
+  delay #(.BITS(E), .STAGES(INTERVAL - 1)) hold_drop_first22 (.clk, .rst, .advance(1'b1), .in(drop_first), .out(drop_first22));
 
   // Stage 29: the first difference. Stage 31: the radial index without its constants.
-  logic signed [63:0] first28, radial31;
+  logic [31:0] first28, radial31;
   logic signed [7:0] more21, more22;
   logic [31:0] first29;
   delay #(.BITS(E), .STAGES(2)) hold_drop_first (.clk, .rst, .advance(1'b1), .in(drop_first22), .out(drop_first24));
@@ -242,9 +241,8 @@ module row_generator #(
     drop_radial23 <= drop_first22 + E'(more22);
   end
   delay #(.BITS(32), .STAGES(27)) hold_unit (.clk, .rst, .advance(1'b1), .in(unit1), .out(unit28));
-  align #(.BITS(2 * M + 1), .SHIFT(E)) align_first (.clk, .negative(negative24), .magnitude(along24), .shift(drop_first24), .result(first28));
-  align #(.BITS(2 * M + 2), .SHIFT(E)) align_radial (.clk, .negative(1'b0), .magnitude(across27), .shift(drop_radial27), .result(radial31));
-  always_ff @(posedge clk) first29 <= first28[31:0] + unit28;
+  row_seed #(.INTERVAL(INTERVAL)) seed (.clk, .rst, .phase, .dx21, .horizontal, .negative24, .drop_first24, .drop_radial27, .first28, .radial31);
+  always_ff @(posedge clk) first29 <= first28 + unit28;
 
   // Stage 3: C dy^2 and what balances the seed. Stage 32: the radial index.
   localparam signed [ROW-1:0] VERTICAL_HALF = ROW'(1) << (VERTICAL - RADIAL - 1);
@@ -253,7 +251,7 @@ module row_generator #(
     base2 <= 32'((vertical1 + VERTICAL_HALF) >>> (VERTICAL - RADIAL));
     balance2 <= balance1;
     base3 <= base2 + balance2;
-    radial32 <= radial31[31:0] + base31;
+    radial32 <= radial31 + base31;
   end
   delay #(.BITS(32), .STAGES(28)) hold_base (.clk, .rst, .advance(1'b1), .in(base3), .out(base31));
 

@@ -1,18 +1,18 @@
-// align.sv, five cycles. USED names the stages that there are; see turn.sv.
+// align.sv, five cycles. USED names the places that there are; see turn.sv.
 module shared_align #(
     parameter BITS = 36,
     parameter INTERVAL = 4,
-    parameter [3:0] USED = 4'b1111
+    parameter [7:0] USED = 8'hff
 ) (
     input logic clk,
-    input logic [1:0] phase,
-    input logic [3:0] negative,
-    input logic [4*BITS-1:0] magnitude,
-    input logic [4*splatline_pkg::EXPONENT-1:0] shift,
-    output logic [255:0] result
+    input logic [2:0] phase,
+    input logic [7:0] negative,
+    input logic [8*BITS-1:0] magnitude,
+    input logic [8*splatline_pkg::EXPONENT-1:0] shift,
+    output logic [511:0] result
 );
   localparam E = splatline_pkg::EXPONENT;
-  localparam UNITS = INTERVAL == 4 ? 1 : 4;
+  localparam UNITS = 8 / INTERVAL;
   logic [UNITS-1:0] negatives;
   logic [UNITS*BITS-1:0] magnitudes;
   logic [UNITS*E-1:0] shifts;
@@ -21,18 +21,14 @@ module shared_align #(
   turn #(.BITS(E), .INTERVAL(INTERVAL)) turn_shift (.clk, .phase, .in(shift), .out(shifts));
   genvar i;
   generate
-    if (INTERVAL == 4) begin : gen_one
+    for (i = 0; i < UNITS; i = i + 1) begin : gen_unit
       logic [63:0] only;
-      align #(.BITS(BITS), .SHIFT(E)) unit (.clk, .negative(negatives), .magnitude(magnitudes), .shift(shifts), .result(only));
-      assign result = {4{only}};
-    end else begin : gen_all
-      for (i = 0; i < 4; i = i + 1) begin : gen_stage
-        if (USED[i]) begin : gen_used
-          align #(.BITS(BITS), .SHIFT(E)) unit (.clk, .negative(negatives[i]), .magnitude(magnitudes[i*BITS+:BITS]), .shift(shifts[i*E+:E]), .result(result[i*64+:64]));
-        end else begin : gen_unused
-          assign result[i*64+:64] = 0;
-        end
+      if (USED[i*INTERVAL+:INTERVAL] != 0) begin : gen_used
+        align #(.BITS(BITS), .SHIFT(E)) unit (.clk, .negative(negatives[i]), .magnitude(magnitudes[i*BITS+:BITS]), .shift(shifts[i*E+:E]), .result(only));
+      end else begin : gen_unused
+        assign only = 0;
       end
+      assign result[i*INTERVAL*64+:INTERVAL*64] = {INTERVAL{only}};
     end
   endgenerate
 endmodule

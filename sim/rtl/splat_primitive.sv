@@ -13,7 +13,10 @@
 module splat_primitive #(
     parameter LANES = 1,
     parameter QUEUE = 8,
+    // Cycles between two packets, 1, 4 or 8, and between two rows, 1 or 2: how many stages share a unit.
     parameter SETUP_INTERVAL = 4,
+    parameter ROW_INTERVAL = 1,
+    parameter ADDED_BITS = 4,  // which opacities and shares multiply by additions, see multiply.sv
     parameter BLOCK_WORDS = 512  // of a block RAM at its full width; 0 where a memory's bits are paid for one by one
 ) (
     input logic clk,
@@ -59,6 +62,9 @@ module splat_primitive #(
   generate
     if (LANES < 1 || LANES > 16 || (LANES & (LANES - 1)) != 0 || LANES >= (1 << ROW_BITS)) begin : gen_illegal_lanes
       $error("LANES must be 1, 2, 4, 8 or 16, and fewer than a tile has rows");
+    end
+    if (!(SETUP_INTERVAL == 1 || SETUP_INTERVAL == 4 || SETUP_INTERVAL == 8) || ROW_INTERVAL < 1 || ROW_INTERVAL > 2) begin : gen_illegal_intervals
+      $error("SETUP_INTERVAL must be 1, 4 or 8, ROW_INTERVAL 1 or 2");
     end
     if (QUEUE < 2 || QUEUE > 256 || (QUEUE & (QUEUE - 1)) != 0) begin : gen_illegal_queue
       $error("QUEUE must be a power of two from 2 to 256");
@@ -142,7 +148,8 @@ module splat_primitive #(
       .idle(setup_idle)
   );
   row_generator #(
-      .LANE_BITS(LANE_BITS)
+      .LANE_BITS(LANE_BITS),
+      .INTERVAL(ROW_INTERVAL)
   ) rows (
       .clk,
       .rst,
@@ -371,7 +378,8 @@ module splat_primitive #(
       logic [COLOUR_BITS-1:0] colour_read;
       blend #(
           .ADDRESS(ADDRESS),
-          .SLOT_BITS(SLOT_BITS)
+          .SLOT_BITS(SLOT_BITS),
+          .ADDED_BITS(ADDED_BITS)
       ) over (
           .clk,
           .rst,

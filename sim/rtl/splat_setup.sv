@@ -1,9 +1,9 @@
 // From a footprint to its first visible row: `EllipseSpans::new` of src/raster/spans.rs as a pipeline of 24 stages, one
 // splat in INTERVAL cycles.
 //
-// With an interval of 4 stages take turns at three products, two alignments and a normalisation (turn.sv), which costs
-// nothing where splats have four rows and more. Then packets are taken in every fourth cycle since the reset and in no
-// other, so that no two stages ever want the same turn.
+// With an interval of 4 or 8 stages take turns at three products, an alignment (two with 4) and a normalisation
+// (turn.sv), which costs nothing where splats have as many rows and more. Then packets are taken in every fourth or
+// eighth cycle since the reset and in no other, so that no two stages ever want the same turn.
 //
 // Stages never stand still. What is ready waits in a queue, and a packet is only taken if there is a place for it, so
 // that no signal has to reach every register of the unit within a cycle. Nor does what is ready early travel along: it
@@ -57,7 +57,7 @@ module splat_setup #(
 
   // Cycles since the reset: with an interval, whose turn it is.
   logic taken, place, due;
-  logic [1:0] phase;
+  logic [2:0] phase;
   assign footprint_ready = place && due;
   assign taken = footprint_valid && footprint_ready;
   logic [STAGES:1] valid;
@@ -68,8 +68,8 @@ module splat_setup #(
       phase <= 0;
       due <= 1;
     end else begin
-      phase <= phase + 2'd1;
-      due <= INTERVAL == 1 || phase == 2'd3;
+      phase <= phase + 3'd1;
+      due <= (phase & 3'(INTERVAL - 1)) == 3'(INTERVAL - 1);
     end
   end
 
@@ -126,28 +126,32 @@ module splat_setup #(
   delay #(.BITS(M + E), .STAGES(2)) hold_horizontal3 (.clk, .rst, .advance(1'b1), .in({f1.horizontal_mantissa, extend(f1.horizontal_exponent)}), .out({horizontal3, horizontal_exponent3}));
   delay #(.BITS(M + E), .STAGES(6)) hold_vertical7 (.clk, .rst, .advance(1'b1), .in({f1.vertical_mantissa, extend(f1.vertical_exponent)}), .out({vertical7, vertical_exponent7}));
   delay #(.BITS(M + E), .STAGES(1)) hold_vertical8 (.clk, .rst, .advance(1'b1), .in({vertical7, vertical_exponent7}), .out({vertical8, vertical_exponent8}));
-  shared_align #(
-      .BITS(2 * M),
-      .INTERVAL(INTERVAL)
-  ) align_first (
-      .clk,
-      .phase,
-      .negative({1'b0, moved_negative10, shear_negative5, 1'b0}),
-      .magnitude({(2 * M)'(horizontal3), moved10, (2 * M)'(shear5), (2 * M)'(vertical8)}),
-      .shift({E'(-horizontal_exponent3 - E'(RADIAL + GUARD)), moved_shift10, shear_shift5, E'(-vertical_exponent8 - E'(VERTICAL + GUARD))}),
-      .result({fine8, moved15, shear_fixed10, fine13})
-  );
+  // Stage 5 has place 1 and stage 17 place 5, so that each of the two units of an interval of 4 has a cycle for all that
+  // is its own; with 8, phases 1 and 5 stand for each other here.
+  logic [2:0] align_phase;
+  assign align_phase = {phase[2] != (phase[1:0] == 2'd1), phase[1:0]};
   shared_align #(
       .BITS(2 * M),
       .INTERVAL(INTERVAL),
-      .USED(4'b0110)
-  ) align_second (
+      .USED(8'b01101111)
+  ) align_all (
       .clk,
-      .phase,
-      .negative({1'b0, along_negative14, 2'b00}),
-      .magnitude({(2 * M)'(0), (2 * M)'(along14), square17, (2 * M)'(0)}),
-      .shift({E'(0), E'(-along_exponent14 - E'(VERTICAL + 1)), square_shift17, E'(0)}),
-      .result({spare_alignments[127:64], double19, vertical22, spare_alignments[63:0]})
+      .phase(align_phase),
+      .negative({1'b0, along_negative14, 3'b000, moved_negative10, shear_negative5, 1'b0}),
+      .magnitude({
+        (2 * M)'(0), (2 * M)'(along14), square17, (2 * M)'(0), (2 * M)'(horizontal3), moved10, (2 * M)'(shear5), (2 * M)'(vertical8)
+      }),
+      .shift({
+        E'(0),
+        E'(-along_exponent14 - E'(VERTICAL + 1)),
+        square_shift17,
+        E'(0),
+        E'(-horizontal_exponent3 - E'(RADIAL + GUARD)),
+        moved_shift10,
+        shear_shift5,
+        E'(-vertical_exponent8 - E'(VERTICAL + GUARD))
+      }),
+      .result({spare_alignments[127:64], double19, vertical22, spare_alignments[63:0], fine8, moved15, shear_fixed10, fine13})
   );
 
   // Normalisations: of dy (from stage 3) and of C dy (10).
@@ -157,37 +161,37 @@ module splat_setup #(
   logic signed [E-1:0] dy_exponent7, dy_exponent14, along_exponent10;
   logic dy_negative10;
   logic [2*M-1:0] along10;
-  logic [1:0] spare_negatives;
-  logic [2*M-1:0] spare_mantissas;
-  logic [2*E-1:0] spare_exponents;
+  logic [5:0] spare_negatives;
+  logic [6*M-1:0] spare_mantissas;
+  logic [6*E-1:0] spare_exponents;
   shared_normalise #(
       .BITS(NORMAL),
       .INTERVAL(INTERVAL),
-      .USED(4'b1100)
+      .USED(8'b00001100)
   ) normalise_both (
       .clk,
       .phase,
-      .negative({dy_negative3, dy_negative10, 2'b00}),
-      .magnitude({NORMAL'(dy3), NORMAL'(along10), NORMAL'(0), NORMAL'(0)}),
-      .exponent({E'(-SUBPIXEL), along_exponent10, (2 * E)'(0)}),
-      .result_negative({dy_negative7, along_negative14, spare_negatives}),
-      .result({dy7, along14, spare_mantissas}),
-      .result_exponent({dy_exponent7, along_exponent14, spare_exponents})
+      .negative({4'd0, dy_negative3, dy_negative10, 2'd0}),
+      .magnitude({(4 * NORMAL)'(0), NORMAL'(dy3), NORMAL'(along10), (2 * NORMAL)'(0)}),
+      .exponent({(4 * E)'(0), E'(-SUBPIXEL), along_exponent10, (2 * E)'(0)}),
+      .result_negative({spare_negatives[5:2], dy_negative7, along_negative14, spare_negatives[1:0]}),
+      .result({spare_mantissas[6*M-1:2*M], dy7, along14, spare_mantissas[2*M-1:0]}),
+      .result_exponent({spare_exponents[6*E-1:2*E], dy_exponent7, along_exponent14, spare_exponents[2*E-1:0]})
   );
   delay #(.BITS(M + E), .STAGES(7)) hold_dy (.clk, .rst, .advance(1'b1), .in({dy7, dy_exponent7}), .out({dy14, dy_exponent14}));
 
   // Products of mantissas: C dy (from stage 7), C dy dy (14), and beside them S dy (7).
-  logic [4*M-1:0] spare_squares;
+  logic [12*M-1:0] spare_squares;
   shared_multiply #(
       .LEFT(M),
       .RIGHT(M),
       .INTERVAL(INTERVAL),
-      .USED(4'b1100)
+      .USED(8'b11000000)
   ) multiply_mantissas (
       .clk,
       .phase,
-      .left({vertical7, along14, (2 * M)'(0)}),
-      .right({dy7, dy14, (2 * M)'(0)}),
+      .left({vertical7, along14, (6 * M)'(0)}),
+      .right({dy7, dy14, (6 * M)'(0)}),
       .product({along10, square17, spare_squares})
   );
   logic [M-1:0] shear8, dy8;

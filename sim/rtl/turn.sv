@@ -1,28 +1,37 @@
-// Units of splat setup that up to four of its stages take in turn: alignment, normalisation, product. Splats come
-// INTERVAL cycles apart at least; with 4, a stage needs its unit in every fourth cycle alone, so that four stages do
-// with one. With 1 each stage has a unit of its own.
+// Units of splat setup that its stages take in turn: alignment, normalisation, product. Splats come INTERVAL cycles
+// apart at least; a stage needs its unit in one cycle of as many, so that so many stages do with one. With 1 each stage
+// has a unit of its own.
 //
-// A stage's place is its cycle modulo 4, and `phase` says whose turn it is: inputs of all stages come in, and the
+// A stage's place is its cycle modulo 8, and `phase` says whose turn it is: inputs of all stages come in, and the
 // result, a cycle later than the unit itself gives it, is of use to the stage whose inputs were taken. So what stands
-// around these units is the same for both intervals.
+// around these units is the same for all intervals. With 4, places 0 to 3 share a unit and places 4 to 7 another one.
 //
-// The phase's part of four parts of BITS bits, registered; with INTERVAL = 1 all four.
+// For each unit, of the places of BITS bits that it has the phase's, registered.
 module turn #(
     parameter BITS = 8,
     parameter INTERVAL = 4
 ) (
     input logic clk,
-    input logic [1:0] phase,
-    input logic [4*BITS-1:0] in,
-    output logic [(INTERVAL==4?1:4)*BITS-1:0] out
+    input logic [2:0] phase,
+    input logic [8*BITS-1:0] in,
+    output logic [8/INTERVAL*BITS-1:0] out
 );
+  genvar unit, i;
   generate
-    if (INTERVAL == 4) begin : gen_one
-      always_ff @(posedge clk) out <= phase[1] ? (phase[0] ? in[3*BITS+:BITS] : in[2*BITS+:BITS]) : (phase[0] ? in[BITS+:BITS] : in[0+:BITS]);
-    end else begin : gen_all
+    if (INTERVAL == 1) begin : gen_all
       logic unused;
       assign unused = &{1'b0, phase};
       always_ff @(posedge clk) out <= in;
+    end else begin : gen_turns
+      // Of four places each the phase's.
+      logic [2*BITS-1:0] fours;
+      for (i = 0; i < 2; i = i + 1) begin : gen_four
+        assign fours[i*BITS+:BITS] = phase[1] ? (phase[0] ? in[(4*i+3)*BITS+:BITS] : in[(4*i+2)*BITS+:BITS]) :
+            (phase[0] ? in[(4*i+1)*BITS+:BITS] : in[4*i*BITS+:BITS]);
+      end
+      for (unit = 0; unit < 8 / INTERVAL; unit = unit + 1) begin : gen_unit
+        always_ff @(posedge clk) out[unit*BITS+:BITS] <= INTERVAL == 8 && phase[2] ? fours[BITS+:BITS] : fours[unit*BITS+:BITS];
+      end
     end
   endgenerate
 endmodule

@@ -211,7 +211,8 @@ impl Config {
             // Transmittance and three colours, a word each.
             pixel_bytes: 16,
             overlap: Overlap::Primitive,
-            splat_cycles: primitive::SETUP_INTERVAL,
+            splat_cycles: primitive::Intervals::USUAL.setup,
+            row_cycles: primitive::Intervals::USUAL.rows,
             rows_at_once: 1,
             row_fifo: primitive::QUEUE,
             lanes,
@@ -223,6 +224,23 @@ impl Config {
             tile_buffers: 2,
             write_back_cycles: 3,
             ..Config::default()
+        }
+    }
+
+    /// What the primitive of `sim/rtl` is built with to be this machine's raster unit.
+    pub fn intervals(&self) -> primitive::Intervals {
+        primitive::Intervals {
+            setup: self.splat_cycles,
+            rows: self.row_cycles,
+        }
+    }
+
+    /// The same with the primitive's other intervals.
+    pub fn with_intervals(self, intervals: primitive::Intervals) -> Config {
+        Config {
+            splat_cycles: intervals.setup,
+            row_cycles: intervals.rows,
+            ..self
         }
     }
 

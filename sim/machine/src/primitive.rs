@@ -5,8 +5,8 @@
 //! packet -> setup, 24 stages -> queue -> rows, 32 stages -> queue -> queue of each lane -> lane, one pixel a cycle
 //! ```
 //!
-//! Stages of setup take turns at some units, so that packets are taken in every [`SETUP_INTERVAL`]th cycle since the
-//! reset alone. A splat fills one slot of the row pipeline for each row of its box in the tile, or one if there is
+//! Stages take turns at some units, so that packets are taken in every fourth or eighth cycle since the reset alone, and
+//! rows issued in every second one ([`Intervals`]). A splat fills one slot of the row pipeline for each row of its box in the tile, or one if there is
 //! none. Pipelines never stand still: a packet is only taken, and a row only issued, if the queue behind the pipeline
 //! has a place for it. Queues are registered: a place is free in the cycle after its entry left. The queue of splats
 //! rests for a cycle after each. A lane holds a run back while a pixel of it would come to a place less than
@@ -16,9 +16,9 @@
 //! running out, this is
 //!
 //! ```text
-//! t(s) = max(t(s-1) + 1, b(s - SPLATS) + 1), put off to a multiple of the interval
+//! t(s) = max(t(s-1) + 1, b(s - SPLATS) + 1), put off to a multiple of setup's interval
 //! b(s) = max(t(s) + 27, b(s-1) + 2, q(last slot of s-1))
-//! q(i) = max(q(i-1) + 1, b(s) + 1, e(i - SLOTS) + 1)
+//! q(i) = max(q(i-1) + 1, b(s) + 1, e(i - SLOTS) + 1), put off to a multiple of the rows' interval
 //! e(i) = max(q(i) + 35, e(i-1) + 1, m(j) + 1)           j: where slot i has a run, the one `queue` places
 //!                                                          before it in the same lane
 //! m(i) = max(e(i) + 1, p(k))                            k: the run before in the same lane
@@ -50,9 +50,21 @@ const FRONT: u64 = 2;
 /// Splats between packet and rows; `PLACES` of splat_setup.sv.
 const SPLATS: u32 = 32;
 
-/// Cycles between two packets, at least; `SETUP_INTERVAL` of splat_primitive.sv. The circuit is built with 1 as well,
-/// if a machine says so (`splat_cycles`).
-pub const SETUP_INTERVAL: u32 = 4;
+/// Cycles between two packets, and between two rows, at least: the more, the more of the circuit's stages share a unit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Intervals {
+    /// `SETUP_INTERVAL` of splat_primitive.sv: 1, 4 or 8.
+    pub setup: u32,
+    /// `ROW_INTERVAL`: 1 or 2.
+    pub rows: u32,
+}
+
+impl Intervals {
+    /// As the circuit is usually built.
+    pub const USUAL: Intervals = Intervals { setup: 4, rows: 1 };
+    /// As small as it gets, for one lane.
+    pub const SMALL: Intervals = Intervals { setup: 8, rows: 2 };
+}
 
 /// Cycles between two splats that leave their queue, at least; `RESTS` of fifo.sv.
 const BEGINS: u64 = 2;
@@ -110,8 +122,9 @@ pub struct SlotStamp {
 /// The primitive's clock: feed it packets and their slots in order.
 #[derive(Clone, Debug)]
 pub struct PrimitiveClock {
-    /// Packets are taken in cycles that are `phase` and a multiple of `interval`.
-    interval: u64,
+    /// Packets are taken in cycles that are `phase` and a multiple of setup's interval, rows issued in cycles that are
+    /// `phase` and a multiple of theirs.
+    intervals: [u64; 2],
     phase: u64,
     /// First cycle in which the next packet may be taken.
     offered: u64,
@@ -179,17 +192,17 @@ impl Flights {
 }
 
 impl PrimitiveClock {
-    /// A unit with so many lanes and queues of so many runs, at least one each, idle from cycle 0 on, that takes a
-    /// packet in every `interval`th cycle from `phase` on; [`SETUP_INTERVAL`] is how the circuit is usually built.
-    pub fn new(lanes: usize, queue: u32, interval: u32, phase: u64) -> Self {
+    /// A unit with so many lanes and queues of so many runs, at least one each, idle from cycle 0 on, that takes packets
+    /// and issues rows in cycles so far apart from `phase` on.
+    pub fn new(lanes: usize, queue: u32, intervals: Intervals, phase: u64) -> Self {
         let lane = LaneClock {
             queue: Fifo::new(queue),
             flights: Flights::default(),
         };
-        let interval = u64::from(interval.max(1));
-        let phase = phase % interval;
+        let intervals = [intervals.setup, intervals.rows].map(|cycles| u64::from(cycles.max(1)));
+        let phase = phase % intervals[0];
         PrimitiveClock {
-            interval,
+            intervals,
             phase,
             offered: phase,
             begun: 0,
@@ -205,8 +218,7 @@ impl PrimitiveClock {
     /// A packet that is offered from this cycle on. Its slots, at least one, must follow by [`PrimitiveClock::slot`].
     pub fn packet(&mut self, offered: u64) -> PacketStamp {
         let earliest = offered.max(self.offered).max(self.splats.free_at());
-        let waited = earliest - self.phase;
-        let accepted = self.phase + waited.next_multiple_of(self.interval);
+        let accepted = self.turn(0, earliest);
         self.offered = accepted + 1;
         let begun = self.begun.max(accepted + SETUP);
         self.splats.pass(accepted, begun + 1);
@@ -215,10 +227,15 @@ impl PrimitiveClock {
         PacketStamp { accepted, begun }
     }
 
+    /// The first cycle from `earliest` on in which it is setup's or the rows' turn.
+    fn turn(&self, unit: usize, earliest: u64) -> u64 {
+        self.phase + (earliest - self.phase).next_multiple_of(self.intervals[unit])
+    }
+
     /// The next row of the packet's box in the tile, with the run that it has.
     #[inline]
     pub fn slot(&mut self, run: Option<LaneRun>) -> SlotStamp {
-        let issued = self.issued.max(self.slots.free_at());
+        let issued = self.turn(1, self.issued.max(self.slots.free_at()));
         self.issued = issued + 1;
         self.begun = self.begun.max(issued);
         let ready = self.left.max(issued + ROW);

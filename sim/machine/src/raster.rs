@@ -106,7 +106,7 @@ impl RasterUnit {
             write_back: Account::default(),
             packets: Fifo::new(config.packet_fifo),
             splats: Fifo::new(config.splat_fifo),
-            primitive: PrimitiveClock::new(lanes, config.row_fifo, config.splat_cycles, 0),
+            primitive: PrimitiveClock::new(lanes, config.row_fifo, config.intervals(), 0),
             buffers: vec![free; config.tile_buffers as usize].into(),
             owed: 0,
             handed_over: 1,

@@ -2,7 +2,9 @@
 // compared; and the row unit's root, whose last bit no pixel shows.
 module flat_primitive #(
     parameter LANES = 1,
-    parameter SETUP_INTERVAL = 4
+    parameter SETUP_INTERVAL = 4,
+    parameter ROW_INTERVAL = 1,
+    parameter ADDED_BITS = 4
 ) (
     input logic clk,
     input logic rst,
@@ -67,7 +69,9 @@ module flat_primitive #(
 
   splat_primitive #(
       .LANES(LANES),
-      .SETUP_INTERVAL(SETUP_INTERVAL)
+      .SETUP_INTERVAL(SETUP_INTERVAL),
+      .ROW_INTERVAL(ROW_INTERVAL),
+      .ADDED_BITS(ADDED_BITS)
   ) splats (
       .clk,
       .rst,

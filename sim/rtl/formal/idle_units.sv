@@ -29,7 +29,8 @@ endmodule
 
 // A splat leaves with one of its rows, or with none.
 module row_generator #(
-    parameter LANE_BITS = 0
+    parameter LANE_BITS = 0,
+    parameter INTERVAL = 1
 ) (
     input logic clk,
     input logic rst,
@@ -132,7 +133,8 @@ endmodule
 // A pixel leaves with what it writes, or without.
 module blend #(
     parameter ADDRESS = 10,
-    parameter SLOT_BITS = 4
+    parameter SLOT_BITS = 4,
+    parameter ADDED_BITS = 4
 ) (
     input logic clk,
     input logic rst,

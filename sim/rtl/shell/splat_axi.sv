@@ -16,6 +16,8 @@ module splat_axi #(
     parameter LANES = 1,
     parameter QUEUE = 8,
     parameter SETUP_INTERVAL = 4,
+    parameter ROW_INTERVAL = 1,
+    parameter ADDED_BITS = 4,
     parameter STREAM = 32
 ) (
     input logic aclk,
@@ -190,7 +192,9 @@ module splat_axi #(
   splat_primitive #(
       .LANES(LANES),
       .QUEUE(QUEUE),
-      .SETUP_INTERVAL(SETUP_INTERVAL)
+      .SETUP_INTERVAL(SETUP_INTERVAL),
+      .ROW_INTERVAL(ROW_INTERVAL),
+      .ADDED_BITS(ADDED_BITS)
   ) splats (
       .clk(aclk),
       .rst,

@@ -9,7 +9,7 @@
 use super::Fabric;
 use super::circuit::Bits;
 use super::synthesis::{Synthesised, SynthesisedPart, synthesised};
-use crate::primitive::SETUP_INTERVAL;
+use crate::primitive::Intervals;
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize};
 use std::collections::BTreeMap;
@@ -47,8 +47,12 @@ pub struct Lines {
     pub setup: PriceLine,
     /// Splat setup of a packet in four cycles, whose shifters and multipliers are shared.
     pub shared_setup: PriceLine,
+    /// Of a packet in eight cycles.
+    pub small_setup: PriceLine,
     /// Row generator.
     pub rows: PriceLine,
+    /// That of a row in two cycles.
+    pub small_rows: PriceLine,
     /// One lane with its queue of eight runs.
     pub lane: PriceLine,
     /// A bit that a lane multiplies by additions.
@@ -184,7 +188,7 @@ impl Calibration {
             shapes: sheet.shapes.clone(),
             block_kbit: sheet.block_kbit,
             setup_kbit: over_mantissa(&found, SHARED_SETUP, |fabric| fabric.memory_kbit),
-            row_kbit: over_mantissa(&found, SynthesisedPart::Rows, |fabric| fabric.memory_kbit),
+            row_kbit: over_mantissa(&found, ROWS, |fabric| fabric.memory_kbit),
             lut_memory: sheet.lut_memory,
             luts_per_dsp: sheet.device[0] / sheet.device[1],
             luts_per_kbit: sheet.device[0] / sheet.device[2],
@@ -254,7 +258,9 @@ impl PriceLine {
 }
 
 /// Splat setup as the primitive has it.
-const SHARED_SETUP: SynthesisedPart = SynthesisedPart::Setup(SETUP_INTERVAL);
+const SHARED_SETUP: SynthesisedPart = SynthesisedPart::Setup(Intervals::USUAL.setup);
+/// And rows.
+const ROWS: SynthesisedPart = SynthesisedPart::Rows(Intervals::USUAL.rows);
 
 /// What the two designs that are fitted take, over bits of theirs.
 fn points(
@@ -285,19 +291,26 @@ fn over_mantissa(
 fn lines(found: &[Synthesised], of: fn(&Fabric) -> u64, added: f64) -> Lines {
     let mantissa = |part| points(found, part, |bits| bits.mantissa, of);
     let of_lanes = |lanes| points(found, SynthesisedPart::Lanes(lanes), |bits| bits.lane, of);
-    let (setup, rows) = (mantissa(SHARED_SETUP), mantissa(SynthesisedPart::Rows));
+    let (setup, rows) = (mantissa(SHARED_SETUP), mantissa(ROWS));
     let (one, four) = (of_lanes(1), of_lanes(4));
     let of_lane = |(one, four): (&[f64; 2], &[f64; 2])| [one[0], (four[1] - one[1]) / 3.0];
     let lane: Vec<[f64; 2]> = one.iter().zip(&four).map(of_lane).collect();
     let left = |i: usize| one[i][1] - lane[i][1] - setup[i][1] - rows[i][1];
     let rest: Vec<f64> = (0..one.len()).map(left).collect();
-    let additions = points(found, SynthesisedPart::Lanes(1), Bits::added, of);
+    let additions = points(
+        found,
+        SynthesisedPart::Lanes(1),
+        |bits| bits.added(false),
+        of,
+    );
     let without = |(lane, [bits, _]): (&[f64; 2], &[f64; 2])| [lane[0], lane[1] - added * bits];
     let lane: Vec<[f64; 2]> = lane.iter().zip(&additions).map(without).collect();
     Lines {
         setup: over_mantissa(found, SynthesisedPart::Setup(1), of),
         shared_setup: PriceLine::through(setup[0], setup[1]),
+        small_setup: over_mantissa(found, SynthesisedPart::Setup(Intervals::SMALL.setup), of),
         rows: PriceLine::through(rows[0], rows[1]),
+        small_rows: over_mantissa(found, SynthesisedPart::Rows(Intervals::SMALL.rows), of),
         lane: PriceLine::through(lane[0], lane[1]),
         added,
         rest: rest.iter().sum::<f64>() / rest.len().max(1) as f64,

@@ -96,10 +96,12 @@ impl Bits {
         ]
     }
 
-    /// Bits that a lane's products multiply by few others, which takes additions.
-    pub fn added(&self) -> u64 {
+    /// Bits that a lane's products multiply by few others, which takes additions; of the small primitive its colours'
+    /// alone.
+    pub fn added(&self, small: bool) -> u64 {
         let [opacity, share, colour] = self.blend_products();
-        let products = [opacity, share, colour, colour, colour];
+        let products = [colour, colour, colour, opacity, share];
+        let products = &products[..if small { 3 } else { 5 }];
         let parts = products.iter().flat_map(|product| parts(product.factors));
         let added = parts.filter(|[a, b]| (2..=FEW).contains(a.min(b)));
         added.map(|[a, b]| a.max(b)).sum()
@@ -239,7 +241,7 @@ impl GeometryCircuit {
 /// Bits of a factor's part that `multiply.sv` gives a multiplier.
 const PART: u64 = 18;
 
-/// Bits of a part that takes no multiplier.
+/// Bits of a part that takes no multiplier, if it need not; `ADDED_BITS` of `multiply.sv`.
 const FEW: u64 = 4;
 
 /// Bits of the smallest product that Yosys makes with a multiplier (`DSP_Y_MINWIDTH` of Xilinx 7; 11 for iCE40).
@@ -260,9 +262,14 @@ impl Calibration {
     /// wider side, be it better or not. A part of few bits takes gates or additions, and what a multiplier leaves over
     /// takes some if it is small.
     pub fn tiles(&self, product: [u64; 2]) -> u64 {
+        self.tiles_beyond(FEW, product)
+    }
+
+    /// The same where parts of so many bits take additions.
+    pub fn tiles_beyond(&self, few: u64, product: [u64; 2]) -> u64 {
         let [wide, narrow] = self.multiplier.map(|bits| bits.max(1));
         let of_part = |[a, b]: [u64; 2]| -> u64 {
-            if a.min(b) <= FEW {
+            if a.min(b) <= few {
                 return 0;
             }
             let sums = cut(a.max(b), wide)

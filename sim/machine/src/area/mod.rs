@@ -20,7 +20,7 @@ pub mod units;
 pub use calibration::{Calibration, ClockFactor, Family, Lines, LutMemory, PriceLine};
 
 use super::config::{Config, LaneLayout, Overlap, Termination};
-use super::primitive::{QUEUE, SETUP_INTERVAL};
+use super::primitive::{Intervals, QUEUE};
 use circuit::{Bits, GeometryCircuit, Operators};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -113,16 +113,15 @@ impl<'a> CountedMachine<'a> {
 
     /// Start values of the rows. `box` has seven products of mantissas where the circuit of `spans` has three.
     ///
-    /// The circuit sets a packet up in every cycle, or in four by shared shifters; a machine between the two is charged
-    /// for the larger one's logic.
+    /// The circuit sets a packet up in every cycle, or in four or eight by shared shifters; a machine between two of them
+    /// is charged for the larger one's logic.
     fn splat_setup(&self) -> Fabric {
         let (m, interval) = (self.bits.mantissa, self.config.splat_cycles);
         let logic = |lines: &Lines| {
-            let shared = interval >= SETUP_INTERVAL;
-            let setup = if shared {
-                &lines.shared_setup
-            } else {
-                &lines.setup
+            let setup = match interval {
+                0..4 => &lines.setup,
+                4..8 => &lines.shared_setup,
+                8.. => &lines.small_setup,
             };
             (setup.at(m) + lines.rest).round() as u64
         };
@@ -147,7 +146,15 @@ impl<'a> CountedMachine<'a> {
             };
         }
         let (m, prices) = (self.bits.mantissa, self.prices);
-        let logic = |lines: &Lines| lines.rows.at(m).round() as u64;
+        let logic = |lines: &Lines| {
+            let shared = self.config.row_cycles >= Intervals::SMALL.rows;
+            let rows = if shared {
+                &lines.small_rows
+            } else {
+                &lines.rows
+            };
+            rows.at(m).round() as u64
+        };
         let products = self.bits.row_products().map(|product| product.factors);
         Fabric {
             luts: logic(&prices.luts),
@@ -155,6 +162,11 @@ impl<'a> CountedMachine<'a> {
             dsps: prices.shared(&products, self.config.row_cycles),
             memory_kbit: prices.blocks_of(&prices.row_kbit, m),
         }
+    }
+
+    /// Is it the small primitive, which multiplies opacities and shares without additions?
+    fn small(&self) -> bool {
+        (self.config.lanes, self.config.intervals()) == (1, Intervals::SMALL)
     }
 
     /// All lanes with their queues, tables and banks. Only with the layout `rows` has each lane a queue of its own.
@@ -172,7 +184,7 @@ impl<'a> CountedMachine<'a> {
             Termination::Discard => 0,
         };
         let lane = |lines: &Lines| {
-            let one = lines.lane.at(bits.lane) + lines.added * bits.added() as f64;
+            let one = lines.lane.at(bits.lane) + lines.added * bits.added(self.small()) as f64;
             (lanes as f64 * one).round() as u64
         };
         // The lines hold a lane with the circuit's queue.
@@ -207,13 +219,23 @@ impl<'a> CountedMachine<'a> {
         let (bits, config) = (&self.bits, self.config);
         let [opacity, share, colour] = bits.blend_products().map(|product| product.factors);
         let blend = |products: &[[u64; 2]]| self.prices.shared(products, config.blend_interval);
+        let apart = |product| {
+            let spared = self.prices.tiles(product);
+            self.prices.tiles_beyond(0, product) - spared
+        };
+        let apart = if self.small() {
+            apart(opacity) + apart(share)
+        } else {
+            0
+        };
         let interpolation = bits.interpolation_product();
         let interpolation = interpolation.map_or(0, |product| self.prices.tiles(product.factors));
         let blended = match self.surface {
             Some(surface) => blend(&surface.gathered()),
             None => blend(&[share]) + blend(&[colour; 3]),
         };
-        u64::from(config.lanes) * (blend(&[opacity]) + blended) + self.table_ports() * interpolation
+        u64::from(config.lanes) * (blend(&[opacity]) + apart + blended)
+            + self.table_ports() * interpolation
     }
 
     /// Geometry setup where no circuit was synthesised ([`setup`], [`circuit::Geometry`]): more often than once in

@@ -9,6 +9,7 @@ use super::surface::ESTIMATED;
 use super::{CountedMachine, Fabric, RESOURCES, lines_of, units};
 use crate::config::Config;
 use crate::design::DesignChoice;
+use crate::primitive::Intervals;
 use serde::Deserialize;
 use splatline::format::{Lean18, Rounding, Standard24, Traversal, Widths};
 use std::fmt::Write;
@@ -23,10 +24,12 @@ const HEADING: &str = "design,widths,family,part";
 pub enum SynthesisedPart {
     /// The splat setup alone, of a packet in so many cycles.
     Setup(u32),
-    /// The row generator alone.
-    Rows,
+    /// The row generator alone, of a row in so many cycles.
+    Rows(u32),
     /// The primitive with so many lanes.
     Lanes(u32),
+    /// That with one lane, as small as it gets.
+    Small,
 }
 
 /// A design whose circuits are synthesised.
@@ -99,7 +102,8 @@ pub fn parse(text: &str) -> Option<Vec<Synthesised>> {
         let numbers: Result<Vec<u8>, _> = line.widths.split(' ').map(str::parse).collect();
         let part = match line.part.split_once(' ') {
             Some(("setup", interval)) => SynthesisedPart::Setup(interval.parse().ok()?),
-            _ if line.part == "rows" => SynthesisedPart::Rows,
+            Some(("rows", interval)) => SynthesisedPart::Rows(interval.parse().ok()?),
+            _ if line.part == "small" => SynthesisedPart::Small,
             _ => SynthesisedPart::Lanes(line.part.parse().ok()?),
         };
         Some(Synthesised {
@@ -145,8 +149,9 @@ pub fn to_csv(lines: &[Synthesised]) -> String {
         let widths = numbers.map(|width| width.to_string()).join(" ");
         let part = match line.part {
             SynthesisedPart::Setup(interval) => format!("setup {interval}"),
-            SynthesisedPart::Rows => "rows".to_owned(),
+            SynthesisedPart::Rows(interval) => format!("rows {interval}"),
             SynthesisedPart::Lanes(lanes) => lanes.to_string(),
+            SynthesisedPart::Small => "small".to_owned(),
         };
         // Writing to a String cannot fail.
         let _ = writeln!(
@@ -164,15 +169,18 @@ impl Synthesised {
     /// Do the calibration's lines go through it?
     pub fn fitted(&self) -> bool {
         let mut fitted = subjects().into_iter().take(2);
-        fitted.any(|subject| subject.name == self.design) && self.part != SynthesisedPart::Lanes(2)
+        let unseen = [SynthesisedPart::Lanes(2), SynthesisedPart::Small];
+        fitted.any(|subject| subject.name == self.design) && !unseen.contains(&self.part)
     }
 
     /// The estimate of the same circuit, if it is a whole one.
     pub fn estimate(&self, calibration: &Calibration) -> Option<Fabric> {
-        let SynthesisedPart::Lanes(lanes) = self.part else {
-            return None;
+        let config = match self.part {
+            SynthesisedPart::Lanes(lanes) => Config::primitive(lanes),
+            SynthesisedPart::Small => Config::primitive(1).with_intervals(Intervals::SMALL),
+            _ => return None,
         };
-        let (widths, config) = (&self.widths, Config::primitive(lanes));
+        let widths = &self.widths;
         Some(CountedMachine::new(widths, Traversal::Spans, &config, calibration).raster_unit())
     }
 }
@@ -242,7 +250,6 @@ pub fn statement(calibration: &Calibration) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::primitive::SETUP_INTERVAL;
 
     #[test]
     fn the_table_is_whole_and_of_todays_widths() {
@@ -261,10 +268,19 @@ mod tests {
             };
             assert_eq!(widths, line.widths, "{}: synthesise it anew", line.design);
         }
-        use SynthesisedPart::{Lanes, Rows, Setup};
+        use SynthesisedPart::{Lanes, Rows, Setup, Small};
         for family in Family::ALL {
             for design in ["lean18", "standard24"] {
-                for part in [Setup(1), Setup(SETUP_INTERVAL), Rows, Lanes(1), Lanes(4)] {
+                for part in [
+                    Setup(1),
+                    Setup(4),
+                    Setup(8),
+                    Rows(1),
+                    Rows(2),
+                    Lanes(1),
+                    Lanes(4),
+                    Small,
+                ] {
                     let of = |line: &&Synthesised| (line.family, line.part) == (family, part);
                     let mut designs = lines.iter().filter(of).map(|line| line.design.as_str());
                     assert!(designs.any(|name| name == design), "{design}: {part:?}");

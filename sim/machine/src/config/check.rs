@@ -8,9 +8,8 @@ use super::{Binning, Config, LaneLayout, Overlap, Sorter, primitive};
 const MOST_BYTES: u64 = 256_000_000;
 
 /// What the circuit of `sim/rtl` fixes.
-const FIXED: [&str; 7] = [
+const FIXED: [&str; 6] = [
     "layout",
-    "row_cycles",
     "rows_at_once",
     "pixel_termination",
     "table_ports",
@@ -113,10 +112,14 @@ impl Config {
             let needed = shown(&needed[key]);
             return Some((key, format!("overlap = \"primitive\" needs {needed}")));
         }
-        let (interval, columns) = (primitive::SETUP_INTERVAL, primitive::TILE[0]);
-        if ![1, interval].contains(&self.splat_cycles) {
-            let allowed = format!("overlap = \"primitive\" allows 1 and {interval}");
-            return Some(("splat_cycles", allowed));
+        let columns = primitive::TILE[0];
+        if ![1, 4, 8].contains(&self.splat_cycles) {
+            let allowed = "overlap = \"primitive\" allows 1, 4 and 8";
+            return Some(("splat_cycles", allowed.to_owned()));
+        }
+        if ![1, 2].contains(&self.row_cycles) {
+            let allowed = "overlap = \"primitive\" allows 1 and 2";
+            return Some(("row_cycles", allowed.to_owned()));
         }
         if self.tile_width > columns {
             let allowed =

@@ -206,7 +206,7 @@ mod tests {
             changed(Config::primitive(4), "splat_cycles=1"),
             "splat_cycles=2",
         );
-        says(&error, &["allows 1 and 4"]);
+        says(&error, &["allows 1, 4 and 8"]);
     }
 
     #[test]

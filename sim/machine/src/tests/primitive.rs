@@ -1,7 +1,7 @@
 //! The primitive's clock against its registers: the circuit of `sim/rtl`, stage by stage, without its data.
 
 use super::super::config::Config;
-use super::super::primitive::{LaneRun, PrimitiveClock};
+use super::super::primitive::{Intervals, LaneRun, PrimitiveClock};
 use super::super::simulate_alone;
 use super::super::workload::{Pair, SplatWork, Tile, Workload};
 use super::{covered_row, workload};
@@ -157,7 +157,12 @@ impl NaiveLane {
     }
 }
 
-fn clocked(packets: &[NaivePacket], lanes: usize, queue: usize, interval: u64) -> Handshakes {
+fn clocked(
+    packets: &[NaivePacket],
+    lanes: usize,
+    queue: usize,
+    intervals: Intervals,
+) -> Handshakes {
     let mut setup: [Option<usize>; 24] = [None; 24];
     let mut splats = NaiveBuffer::new(true);
     let mut issued: Option<(usize, usize)> = None;
@@ -185,12 +190,13 @@ fn clocked(packets: &[NaivePacket], lanes: usize, queue: usize, interval: u64) -
         let leaving: Option<Option<LaneRun>> = slots.out;
         let leaves =
             leaving.is_some_and(|run| run.is_none_or(|run| units[run.lane].queue.len() < queue));
-        let issues = issued.filter(|_| slots.occupied < 64);
+        let turn = now % u64::from(intervals.rows) == 0;
+        let issues = issued.filter(|_| slots.occupied < 64 && turn);
         let last = issues.is_some_and(|(splat, row)| row + 1 == packets[splat].1.len());
         let takes_splat = issued.is_none() || last;
         let begins: Option<usize> = splats.out.filter(|_| takes_splat);
         let packet = Some(seen.accepted.len()).filter(|next| {
-            now % interval == 0
+            now % u64::from(intervals.setup) == 0
                 && splats.occupied < 32
                 && packets.get(*next).is_some_and(|(from, _)| *from <= now)
         });
@@ -223,8 +229,13 @@ fn clocked(packets: &[NaivePacket], lanes: usize, queue: usize, interval: u64) -
     seen
 }
 
-fn recurrence(packets: &[NaivePacket], lanes: usize, queue: usize, interval: u64) -> Handshakes {
-    let mut clock = PrimitiveClock::new(lanes, queue as u32, interval as u32, 0);
+fn recurrence(
+    packets: &[NaivePacket],
+    lanes: usize,
+    queue: usize,
+    intervals: Intervals,
+) -> Handshakes {
+    let mut clock = PrimitiveClock::new(lanes, queue as u32, intervals, 0);
     let mut seen = Handshakes {
         popped: vec![Vec::new(); lanes],
         ..Handshakes::default()
@@ -278,8 +289,8 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(400))]
     #[test]
     fn the_clock_is_that_of_the_registers((packets, lanes, queue) in packets()) {
-        for interval in [1, 4] {
-            let [clock, registers] = [recurrence, clocked].map(|run| run(&packets, lanes, queue, interval));
+        for intervals in [Intervals { setup: 1, ..Intervals::USUAL }, Intervals::USUAL, Intervals::SMALL] {
+            let [clock, registers] = [recurrence, clocked].map(|run| run(&packets, lanes, queue, intervals));
             prop_assert_eq!(clock, registers);
         }
     }

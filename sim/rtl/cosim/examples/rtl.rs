@@ -19,7 +19,7 @@ use splatline_sim::atomic;
 use splatline_sim::design::DesignChoice;
 use splatline_sim::machine::Config;
 use splatline_sim::machine::area::{CountedMachine, Family, synthesis};
-use splatline_sim::machine::primitive::SETUP_INTERVAL;
+use splatline_sim::machine::primitive::Intervals;
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -141,7 +141,7 @@ fn compare(unit: &str) -> Result<()> {
     match unit {
         "shapes" => SHAPES
             .into_iter()
-            .try_for_each(|(design, lanes, interval)| compare_primitives(design, lanes, interval)),
+            .try_for_each(|(design, lanes, setup)| compare_primitives(design, lanes, setup)),
         "order" => DIGITS
             .into_iter()
             .try_for_each(|digit| report::<OrderLoad>(&Circuit::new(&ORDER, "lean18", digit)?)),
@@ -156,9 +156,14 @@ fn compare(unit: &str) -> Result<()> {
     }
 }
 
-fn compare_primitives(design: &str, lanes: &[u32], interval: u32) -> Result<()> {
+fn compare_primitives(design: &str, lanes: &[u32], setup: u32) -> Result<()> {
+    let rows = Intervals::USUAL.rows;
     for lanes in lanes {
-        report::<PrimitiveLoad>(&primitive::unit::circuit(design, *lanes, interval)?)?;
+        report::<PrimitiveLoad>(&primitive::unit::circuit(
+            design,
+            *lanes,
+            Intervals { setup, rows },
+        )?)?;
     }
     Ok(())
 }
@@ -168,7 +173,10 @@ fn compare_design(unit: &str, design: &str) -> Result<()> {
         |cores, program| report::<SetupLoad>(&setup::unit::circuit(design, cores, program)?);
     let machine = || machine::unit::circuit(design, 8, 4);
     match unit {
-        "primitive" => compare_primitives(design, &LANES, SETUP_INTERVAL),
+        "primitive" => {
+            compare_primitives(design, &LANES, Intervals::USUAL.setup)?;
+            report::<PrimitiveLoad>(&primitive::unit::small(design)?)
+        }
         // Of several cores a number that divides no round.
         "setup" => setup(7, program(&[])?),
         "compensation" | "distance" | "direction" => setup(7, program(&[unit])?),

@@ -12,7 +12,7 @@ use anyhow::{Context, Result, ensure};
 use splatline_sim::machine::area::setup::{self, FITTED_CORES, SetupUnit};
 use splatline_sim::machine::area::synthesis::{self, Subject, Synthesised, SynthesisedPart};
 use splatline_sim::machine::area::{Fabric, Family};
-use splatline_sim::machine::primitive::SETUP_INTERVAL;
+use splatline_sim::machine::primitive::Intervals;
 use std::path::Path;
 
 /// Runs a script that leaves one module of cells, and counts them after look-up tables have moved into adders.
@@ -113,24 +113,39 @@ pub fn of_primitives(design: Option<&str>) -> Result<String> {
 fn primitive(subject: &Subject, family: Family) -> Result<Vec<Synthesised>> {
     let circuit = Circuit::new(&PRIMITIVE, subject.name, 1)?;
     let [setup_unit, row_unit] = SHARED;
-    let setup = |interval| {
+    let shared = |unit, interval| {
         let interval = [("INTERVAL", interval)];
-        synthesised(&circuit, family, setup_unit, &interval, &[])
+        synthesised(&circuit, family, unit, &interval, &[])
     };
-    let usual = setup(SETUP_INTERVAL)?;
-    let rows = synthesised(&circuit, family, row_unit, &[], &[])?;
+    let parts = |intervals: Intervals| {
+        let setup = shared(setup_unit, intervals.setup)?;
+        Ok::<_, anyhow::Error>((setup, shared(row_unit, intervals.rows)?))
+    };
+    let ((usual, rows), (small, small_rows)) = (parts(Intervals::USUAL)?, parts(Intervals::SMALL)?);
     let mut found = vec![
-        (SynthesisedPart::Setup(1), setup(1)?),
-        (SynthesisedPart::Setup(SETUP_INTERVAL), usual),
-        (SynthesisedPart::Rows, rows),
+        (SynthesisedPart::Setup(1), shared(setup_unit, 1)?),
+        (SynthesisedPart::Setup(Intervals::USUAL.setup), usual),
+        (SynthesisedPart::Setup(Intervals::SMALL.setup), small),
+        (SynthesisedPart::Rows(Intervals::USUAL.rows), rows),
+        (SynthesisedPart::Rows(Intervals::SMALL.rows), small_rows),
     ];
     // Words of the family's block RAM at its full width.
     let block_words = if family == Family::Ice40 { 256 } else { 512 };
+    let rest = |lanes, added| {
+        let parameters = [
+            ("LANES", lanes),
+            ("BLOCK_WORDS", block_words),
+            ("ADDED_BITS", added),
+        ];
+        synthesised(&circuit, family, PRIMITIVE.top, &parameters, &SHARED)
+    };
     for lanes in LANES {
-        let parameters = [("LANES", lanes), ("BLOCK_WORDS", block_words)];
-        let rest = synthesised(&circuit, family, PRIMITIVE.top, &parameters, &SHARED)?;
-        found.push((SynthesisedPart::Lanes(lanes), rest + usual + rows));
+        found.push((
+            SynthesisedPart::Lanes(lanes),
+            rest(lanes, 4)? + usual + rows,
+        ));
     }
+    found.push((SynthesisedPart::Small, rest(1, 0)? + small + small_rows));
     let line = |(part, fabric)| Synthesised {
         design: subject.name.to_owned(),
         widths: subject.widths,

@@ -12,7 +12,7 @@ use crate::setup::program::{ProgramKind, SetupProgram};
 use crate::setup::unit as setup;
 use crate::unit::{Circuit, Extent, Judge, judge_of};
 use anyhow::{Result, bail, ensure};
-use splatline_sim::machine::primitive::SETUP_INTERVAL;
+use splatline_sim::machine::primitive::Intervals;
 
 /// Setup's programs with a mistake in distance scaling, compensation or directions.
 const PROGRAMS: &str = "programs";
@@ -74,8 +74,13 @@ fn judges(name: &str) -> Result<Vec<Judge>> {
     let machine_of = |cores| machine::circuit("lean18", cores, 4);
     let judges = match name {
         "primitive" => {
-            let circuit = primitive::circuit("lean18", 4, SETUP_INTERVAL);
-            vec![judge_of::<PrimitiveLoad>(circuit, name, extent)]
+            let circuits = [
+                primitive::circuit("lean18", 4, Intervals::USUAL),
+                primitive::small("lean18"),
+            ];
+            circuits
+                .map(|circuit| judge_of::<PrimitiveLoad>(circuit, name, extent))
+                .into()
         }
         // What no packet shows, the units of the tables do.
         "setup" => vec![

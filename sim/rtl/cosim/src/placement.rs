@@ -9,6 +9,7 @@ use crate::circuit::{Circuit, DESIGNS, HARMONICS, MACHINE, ORDER, PRIMITIVE, SET
 use crate::machine::unit;
 use crate::netlist::{Netlist, NetlistPort};
 use crate::package::filled;
+use crate::primitive;
 use crate::registers;
 use crate::tools::{first_that_runs, json, printed, run, yosys};
 use anyhow::{Context, Result};
@@ -62,6 +63,7 @@ pub fn circuits(words: &str) -> Result<Vec<Circuit>> {
         for (unit, value) in [(&PRIMITIVE, 1), (&PRIMITIVE, 4), (&SETUP, 1)] {
             all.push(Circuit::new(unit, design, value)?);
         }
+        all.push(primitive::unit::small(design)?);
     }
     for (unit, value) in [(&ORDER, 8), (&HARMONICS, 1), (&HARMONICS, 2)] {
         all.push(Circuit::new(unit, DESIGNS[0], value)?);

@@ -56,7 +56,7 @@ mod with_verilator {
     use splatline_rtl::setup::{SetupLoad, enlarged};
     use splatline_rtl::tools::rtl;
     use splatline_rtl::unit::{Bench, Extent, Findings, Load};
-    use splatline_sim::machine::primitive::SETUP_INTERVAL;
+    use splatline_sim::machine::primitive::Intervals;
     use std::process::Command;
 
     /// Compares a circuit's quick loads under every pressure; gives what was found of each load.
@@ -95,8 +95,8 @@ mod with_verilator {
 
     /// Every word, and the cycle of every handshake where the lanes do not pause, for all rules.
     fn primitive_agrees(design: &str) {
-        let agrees = |lanes| {
-            let circuit = primitive::circuit(design, lanes, SETUP_INTERVAL).unwrap();
+        let agrees = |circuit: anyhow::Result<Circuit>| {
+            let circuit = circuit.unwrap();
             for (_, found) in agrees::<PrimitiveLoad>(&circuit) {
                 let counted = |name| counted(&found, name);
                 assert!(
@@ -110,8 +110,9 @@ mod with_verilator {
         // Most of the time compiles circuits.
         std::thread::scope(|scope| {
             for lanes in LANES {
-                scope.spawn(move || agrees(lanes));
+                scope.spawn(move || agrees(primitive::circuit(design, lanes, Intervals::USUAL)));
             }
+            agrees(primitive::small(design));
         });
     }
 

@@ -16,7 +16,7 @@ use splatline_rtl::primitive::workload::{self, BenchWorkload};
 use splatline_rtl::rules::write_rules;
 use splatline_rtl::unit::Extent;
 use splatline_sim::design::DesignChoice;
-use splatline_sim::machine::primitive::SETUP_INTERVAL;
+use splatline_sim::machine::primitive::Intervals;
 use splatline_sim::scene::synthetic::Random;
 
 /// Cycles within which anything must happen.
@@ -68,7 +68,7 @@ impl HandshakeScene {
         let expected = drawn.unwrap().0;
         let clear = Pixel::clear(&widths);
         assert!(expected.iter().any(|pixel| *pixel != clear));
-        let circuit = circuit("lean18", lanes, SETUP_INTERVAL).unwrap();
+        let circuit = circuit("lean18", lanes, Intervals::USUAL).unwrap();
         let library = circuit.library(Extent::Quick).unwrap();
         let mut bench = Bench::new(&library, 3, 0).unwrap();
         write_rules(&mut bench, &widths, &Rules::EWA);

@@ -5,7 +5,7 @@ use super::workload::{BenchTile, BenchWorkload};
 use crate::bench::Channel;
 use crate::circuit::Circuit;
 use crate::simulation::Simulation;
-use splatline_sim::machine::primitive::{LaneRun, PrimitiveClock, QUEUE, for_each_slot};
+use splatline_sim::machine::primitive::{Intervals, LaneRun, PrimitiveClock, QUEUE, for_each_slot};
 
 /// Lanes that a circuit may have.
 const MOST_LANES: usize = 16;
@@ -82,9 +82,10 @@ impl Stamps {
         // The first packet is offered before its tile has begun; time is counted from its handshake, and with it the
         // turns of setup.
         let first = self.accepted.first().copied().unwrap_or(0);
-        let [lanes, interval] = [0, 1].map(|place: usize| circuit.parameters[place].1);
+        let [lanes, setup, rows] = ["LANES", "SETUP_INTERVAL", "ROW_INTERVAL"]
+            .map(|name| circuit.parameter(name).unwrap_or(1));
         let (design, lanes) = (circuit.design.in_fields(), lanes as usize);
-        let mut clock = PrimitiveClock::new(lanes, QUEUE, interval, first);
+        let mut clock = PrimitiveClock::new(lanes, QUEUE, Intervals { setup, rows }, first);
         let mut left = self.left.iter();
         let mut popped = self.popped.each_ref().map(|lane| lane.iter());
         for (place, index) in tile.list.iter().enumerate() {

@@ -20,6 +20,7 @@ use splatline::rules::{Compositing, Rules as KernelRules};
 use splatline::target::Target;
 use splatline_sim::design::DesignChoice;
 use splatline_sim::fixed::{TableMemory, kernel_rules};
+use splatline_sim::machine::primitive::Intervals;
 use splatline_sim::rules::Rules;
 
 /// The numbers of lanes that tests draw with.
@@ -45,9 +46,15 @@ pub struct PrimitiveLoad {
     pub workload: BenchWorkload,
 }
 
-/// The primitive of a design with some lanes, and so many cycles between two packets.
-pub fn circuit(design: &str, lanes: u32, interval: u32) -> Result<Circuit> {
-    Ok(Circuit::new(&PRIMITIVE, design, lanes)?.with("SETUP_INTERVAL", interval))
+/// The primitive of a design with some lanes.
+pub fn circuit(design: &str, lanes: u32, intervals: Intervals) -> Result<Circuit> {
+    let circuit = Circuit::new(&PRIMITIVE, design, lanes)?.with("SETUP_INTERVAL", intervals.setup);
+    Ok(circuit.with("ROW_INTERVAL", intervals.rows))
+}
+
+/// The primitive of a design with one lane, as small as it gets.
+pub fn small(design: &str) -> Result<Circuit> {
+    Ok(circuit(design, 1, Intervals::SMALL)?.with("ADDED_BITS", 0))
 }
 
 impl Load for PrimitiveLoad {
