@@ -156,10 +156,15 @@ impl<'a> CountedMachine<'a> {
             rows.at(m).round() as u64
         };
         let products = self.bits.row_products().map(|product| product.factors);
+        let [half_width, root, _, across] = products.map(|factors| prices.tiles(factors));
         Fabric {
             luts: logic(&prices.luts),
             flip_flops: logic(&prices.flip_flops),
-            dsps: prices.shared(&products, self.config.row_cycles),
+            dsps: match self.config.row_cycles {
+                // As `row_seed.sv` shares them.
+                2 => half_width + root + across,
+                cycles => prices.shared(&products, cycles),
+            },
             memory_kbit: prices.blocks_of(&prices.row_kbit, m),
         }
     }
