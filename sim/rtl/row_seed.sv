@@ -6,8 +6,8 @@
 //
 // With an interval of 2 rows come in every other cycle. Then both products are one circuit and both alignments are,
 // since the second of each is an odd number of cycles behind the first: A dx in cycles of `phase` 0, A dx^2 in the
-// others. Nor is there saturation: in a run of a packet of setup, where dx is at most the half-width, A dx^2 is about the
-// cut-off at most, and A dx below 2^26, dx being 0 or at least 2^-20. A name's number is the row generator's stage.
+// others. Nor is there saturation: in a run of a packet of setup, where dx is at most the half-width, A dx^2 is about
+// the cut-off at most, and A dx below 2^26, dx being 0 or at least 2^-20. A name's number is the row generator's stage.
 module row_seed #(
     parameter INTERVAL = 1
 ) (

@@ -126,8 +126,8 @@ module splat_setup #(
   delay #(.BITS(M + E), .STAGES(2)) hold_horizontal3 (.clk, .rst, .advance(1'b1), .in({f1.horizontal_mantissa, extend(f1.horizontal_exponent)}), .out({horizontal3, horizontal_exponent3}));
   delay #(.BITS(M + E), .STAGES(6)) hold_vertical7 (.clk, .rst, .advance(1'b1), .in({f1.vertical_mantissa, extend(f1.vertical_exponent)}), .out({vertical7, vertical_exponent7}));
   delay #(.BITS(M + E), .STAGES(1)) hold_vertical8 (.clk, .rst, .advance(1'b1), .in({vertical7, vertical_exponent7}), .out({vertical8, vertical_exponent8}));
-  // Stage 5 has place 1 and stage 17 place 5, so that each of the two units of an interval of 4 has a cycle for all that
-  // is its own; with 8, phases 1 and 5 stand for each other here.
+  // Stage 5 has place 1 and stage 17 place 5, so that either unit of an interval of 4 has a cycle for all that is its
+  // own; with 8, phases 1 and 5 stand for each other here.
   logic [2:0] align_phase;
   assign align_phase = {phase[2] != (phase[1:0] == 2'd1), phase[1:0]};
   shared_align #(

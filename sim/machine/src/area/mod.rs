@@ -113,8 +113,8 @@ impl<'a> CountedMachine<'a> {
 
     /// Start values of the rows. `box` has seven products of mantissas where the circuit of `spans` has three.
     ///
-    /// The circuit sets a packet up in every cycle, or in four or eight by shared shifters; a machine between two of them
-    /// is charged for the larger one's logic.
+    /// The circuit sets a packet up in every cycle, or in four or eight by shared shifters; a machine between two of
+    /// them is charged for the larger one's logic.
     fn splat_setup(&self) -> Fabric {
         let (m, interval) = (self.bits.mantissa, self.config.splat_cycles);
         let logic = |lines: &Lines| {
