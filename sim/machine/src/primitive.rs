@@ -8,12 +8,12 @@
 //! Stages take turns at some units, so that packets are taken in every fourth or eighth cycle since the reset alone,
 //! and rows issued in every cycle or in every second one ([`Intervals`]). A splat fills one slot of the row pipeline
 //! for each row of its box in the tile, or one if there is none. Pipelines never stand still: a packet is only taken,
-//! and a row only issued, if the queue behind the pipeline has a place for it. Queues are registered: a place is free in
-//! the cycle after its entry left. The queue of splats rests for a cycle after each. A lane holds a run back while a pixel of it would come to a place less than
-//! [`INTERVAL`] cycles after an earlier one did. With t(s) the cycle in which packet s is taken, b(s) the one in which
-//! its rows are begun, q(i) the one in which slot i is issued, e(i) the one in which it leaves for its lane, m(i) the
-//! one in which its run comes to the front of that lane's queue and p(i) the one in which it is popped, packets never
-//! running out, this is
+//! and a row only issued, if the queue behind the pipeline has a place for it. Queues are registered: a place is free
+//! in the cycle after its entry left. The queue of splats rests for a cycle after each. A lane holds a run back while a
+//! pixel of it would come to a place less than [`INTERVAL`] cycles after an earlier one did. With t(s) the cycle in
+//! which packet s is taken, b(s) the one in which its rows are begun, q(i) the one in which slot i is issued, e(i) the
+//! one in which it leaves for its lane, m(i) the one in which its run comes to the front of that lane's queue and p(i)
+//! the one in which it is popped, packets never running out, this is
 //!
 //! ```text
 //! t(s) = max(t(s-1) + 1, b(s - SPLATS) + 1), put off to a multiple of setup's interval
