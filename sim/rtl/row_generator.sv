@@ -54,7 +54,8 @@ module row_generator #(
   logic signed [ROW-1:0] vertical0, first0, second0;
   splatline_pkg::shape_t shape0;
   row_counter counter (.clk, .rst, .splat_valid, .splat_ready, .first(start.row), .rows(start.rows), .place(place && due), .busy, .issue, .row(row0), .some(some0));
-  // Cycles since the reset: in odd ones no row is issued, and in even ones of a stage's number it is that stage's turn.
+  // With an interval of 2 rows are issued while `phase` is 0, so that it is the last bit of a stage's number when a row
+  // is there.
   logic phase;
   always_ff @(posedge clk) begin
     phase <= !rst && !phase;

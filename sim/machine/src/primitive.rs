@@ -200,7 +200,8 @@ impl PrimitiveClock {
             flights: Flights::default(),
         };
         let intervals = [intervals.setup, intervals.rows].map(|cycles| u64::from(cycles.max(1)));
-        let phase = phase % intervals[0];
+        // Both are powers of two.
+        let phase = phase % intervals[0].max(intervals[1]);
         PrimitiveClock {
             intervals,
             phase,
