@@ -63,8 +63,8 @@ module splat_primitive #(
     if (LANES < 1 || LANES > 16 || (LANES & (LANES - 1)) != 0 || LANES >= (1 << ROW_BITS)) begin : gen_illegal_lanes
       $error("LANES must be 1, 2, 4, 8 or 16, and fewer than a tile has rows");
     end
-    if (!(SETUP_INTERVAL == 1 || SETUP_INTERVAL == 4 || SETUP_INTERVAL == 8) || ROW_INTERVAL < 1 || ROW_INTERVAL > 2) begin : gen_illegal_intervals
-      $error("SETUP_INTERVAL must be 1, 4 or 8, ROW_INTERVAL 1 or 2");
+    if (!(SETUP_INTERVAL == 1 || SETUP_INTERVAL == 4 || SETUP_INTERVAL == 8) || ROW_INTERVAL < 1 || ROW_INTERVAL > 2 || ROW_INTERVAL > SETUP_INTERVAL) begin : gen_illegal_intervals
+      $error("SETUP_INTERVAL must be 1, 4 or 8, ROW_INTERVAL 1, or 2 where SETUP_INTERVAL is not 1");
     end
     if (QUEUE < 2 || QUEUE > 256 || (QUEUE & (QUEUE - 1)) != 0) begin : gen_illegal_queue
       $error("QUEUE must be a power of two from 2 to 256");

@@ -55,7 +55,7 @@ const SPLATS: u32 = 32;
 pub struct Intervals {
     /// `SETUP_INTERVAL` of splat_primitive.sv: 1, 4 or 8.
     pub setup: u32,
-    /// `ROW_INTERVAL`: 1 or 2.
+    /// `ROW_INTERVAL`: 1 or 2, of which `setup` is a multiple.
     pub rows: u32,
 }
 
@@ -200,8 +200,7 @@ impl PrimitiveClock {
             flights: Flights::default(),
         };
         let intervals = [intervals.setup, intervals.rows].map(|cycles| u64::from(cycles.max(1)));
-        // Both are powers of two.
-        let phase = phase % intervals[0].max(intervals[1]);
+        let phase = phase % intervals[0];
         PrimitiveClock {
             intervals,
             phase,

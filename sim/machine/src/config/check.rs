@@ -117,8 +117,8 @@ impl Config {
             let allowed = "overlap = \"primitive\" allows 1, 4 and 8";
             return Some(("splat_cycles", allowed.to_owned()));
         }
-        if ![1, 2].contains(&self.row_cycles) {
-            let allowed = "overlap = \"primitive\" allows 1 and 2";
+        if ![1, 2].contains(&self.row_cycles) || self.row_cycles > self.splat_cycles {
+            let allowed = "overlap = \"primitive\" allows 1, and 2 with splat_cycles = 4 or 8";
             return Some(("row_cycles", allowed.to_owned()));
         }
         if self.tile_width > columns {

@@ -207,6 +207,11 @@ mod tests {
             "splat_cycles=2",
         );
         says(&error, &["allows 1, 4 and 8"]);
+        let every = changed(Config::primitive(1), "splat_cycles=1");
+        says(
+            &refused(every, "row_cycles=2"),
+            &["2 with splat_cycles = 4 or 8"],
+        );
     }
 
     #[test]

@@ -128,20 +128,24 @@ fn write_package(design: &str, folder: &Path, program: &SetupProgram) -> Result<
 /// Bits of a digit for which there are tables of the sorter.
 const DIGITS: [u32; 2] = [8, 12];
 
-/// Shapes of the primitive that no test draws with: design, lanes, cycles between two packets.
-const SHAPES: [(&str, &[u32], u32); 5] = [
-    ("lean18", &[2, 8, 16], 4),
-    ("lean18", &[4], 1),
-    ("standard24", &[2, 8, 16], 4),
-    ("standard24", &[1], 1),
-    ("24-bit mantissa", &[1, 4, 16], 4),
+/// Shapes of the primitive that no test draws with: design, lanes, cycles between two packets and between two rows.
+const SHAPES: [(&str, &[u32], Intervals); 7] = [
+    ("lean18", &[2, 8, 16], Intervals::USUAL),
+    ("lean18", &[4], Intervals { setup: 1, rows: 1 }),
+    ("lean18", &[2], Intervals { setup: 8, rows: 1 }),
+    ("standard24", &[2, 8, 16], Intervals::USUAL),
+    ("standard24", &[1], Intervals { setup: 1, rows: 1 }),
+    ("standard24", &[4], Intervals { setup: 4, rows: 2 }),
+    ("24-bit mantissa", &[1, 4, 16], Intervals::USUAL),
 ];
 
 fn compare(unit: &str) -> Result<()> {
     match unit {
         "shapes" => SHAPES
             .into_iter()
-            .try_for_each(|(design, lanes, setup)| compare_primitives(design, lanes, setup)),
+            .try_for_each(|(design, lanes, intervals)| {
+                compare_primitives(design, lanes, intervals)
+            }),
         "order" => DIGITS
             .into_iter()
             .try_for_each(|digit| report::<OrderLoad>(&Circuit::new(&ORDER, "lean18", digit)?)),
@@ -156,14 +160,9 @@ fn compare(unit: &str) -> Result<()> {
     }
 }
 
-fn compare_primitives(design: &str, lanes: &[u32], setup: u32) -> Result<()> {
-    let rows = Intervals::USUAL.rows;
+fn compare_primitives(design: &str, lanes: &[u32], intervals: Intervals) -> Result<()> {
     for lanes in lanes {
-        report::<PrimitiveLoad>(&primitive::unit::circuit(
-            design,
-            *lanes,
-            Intervals { setup, rows },
-        )?)?;
+        report::<PrimitiveLoad>(&primitive::unit::circuit(design, *lanes, intervals)?)?;
     }
     Ok(())
 }
@@ -174,7 +173,7 @@ fn compare_design(unit: &str, design: &str) -> Result<()> {
     let machine = || machine::unit::circuit(design, 8, 4);
     match unit {
         "primitive" => {
-            compare_primitives(design, &LANES, Intervals::USUAL.setup)?;
+            compare_primitives(design, &LANES, Intervals::USUAL)?;
             report::<PrimitiveLoad>(&primitive::unit::small(design)?)
         }
         // Of several cores a number that divides no round.
