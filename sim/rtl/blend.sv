@@ -15,7 +15,8 @@
 module blend #(
     parameter ADDRESS = 10,
     parameter SLOT_BITS = 4,
-    parameter ADDED_BITS = 4  // of multiply.sv, for opacity and share
+    parameter ADDED_BITS = 4,  // of multiply.sv, for opacity and share
+    parameter WIDE_MULTIPLIERS = 4  // of a colour's product, if it is wide: 4, or 3 (multiply_three.sv)
 ) (
     input logic clk,
     input logic rst,
@@ -29,6 +30,7 @@ module blend #(
     // The colour of the run with this number, which arrives in the next cycle: blue, green, red.
     output logic [SLOT_BITS-1:0] colour_slot,
     input logic [3*splatline_pkg::COLOUR_BITS-1:0] colour11,
+    input logic [53:0] colour_sums11,
     // Transmittance: flag and UQ1.transmittance; the word of `read_address` arrives two cycles later.
     output logic [ADDRESS-1:0] transmittance_read_address,
     input logic [splatline_pkg::TRANSMITTANCE+1:0] transmittance_read,
@@ -55,6 +57,7 @@ module blend #(
   localparam COLOUR_SHIFT = T + splatline_pkg::COLOUR - splatline_pkg::ACCUMULATOR;
   // A share's 1.0 stands apart where few bits are left over by a multiplier without it.
   localparam APART = T % 18 <= 4;
+  localparam THREE = WIDE_MULTIPLIERS == 3 && T > 22 && C > 22;
 
   logic valid5, valid6, valid7, valid8, valid9, valid10, valid11, valid12, valid13, valid14;
   logic [ADDRESS-1:0] address5, address10, address13;
@@ -140,11 +143,16 @@ module blend #(
 
   // Stage 11: its new value is written.
   logic [T:0] share11, rounded10;
+  logic [17:0] share_sum11;
   assign {rounded10, carry_share} = {share10, 1'b1} + {{(T + 1) {1'b0}}, half10};
   assign transmittance_write = valid10 && !transmittance10[T+1];
   assign transmittance_write_address = address10;
   assign transmittance_word = stop10 && rules.omit_finishing ? {1'b1, transmittance10[T:0]} : {stop10, rest10};
-  always_ff @(posedge clk) if (advance) share11 <= rounded10;
+  always_ff @(posedge clk)
+    if (advance) begin
+      share11 <= rounded10;
+      share_sum11 <= splatline_math::halves(34'(rounded10));
+    end
 
   // Stages 10 to 12: a transmittance of 1 says that nothing has been added to the colours, which nobody has cleared
   // (tile_colours.sv).
@@ -162,7 +170,7 @@ module blend #(
   logic [3*SUM-1:0] colour13;
   logic [2:0] carry_colour;
   logic unused;
-  assign unused = &{1'b0, carry_rest, carry_under, carry_share, carry_colour};
+  assign unused = &{1'b0, carry_rest, carry_under, carry_share, carry_colour, share_sum11, colour_sums11};
   assign colour_read_address = address10;
   assign colour_write = valid13;
   assign colour_write_address = address13;
@@ -170,25 +178,42 @@ module blend #(
   generate
     for (channel = 0; channel < 3; channel = channel + 1) begin : gen_channel
       logic [T+C:0] product13;
-      logic [17:0] low12;
+      localparam LOW = THREE ? 17 : 18;
+      logic [LOW-1:0] low12;
       logic below13;
-      multiply #(
-          .LEFT (T + 1),
-          .RIGHT(C),
-          .LEFT_UNIT(APART)
-      ) layer (
-          .clk,
-          .advance,
-          .left(share11),
-          .right(colour11[channel*C+:C]),
-          .low(low12),
-          .product(product13)
-      );
-      always_ff @(posedge clk) if (advance) below13 <= |(low12 & 18'(BELOW_COLOUR));
+      if (THREE) begin : gen_three
+        multiply_three #(
+            .LEFT (T + 1),
+            .RIGHT(C)
+        ) layer (
+            .clk,
+            .advance,
+            .left(share11),
+            .left_sum(share_sum11),
+            .right(colour11[channel*C+:C]),
+            .right_sum(colour_sums11[channel*18+:18]),
+            .low(low12),
+            .product(product13)
+        );
+      end else begin : gen_usual
+        multiply #(
+            .LEFT (T + 1),
+            .RIGHT(C),
+            .LEFT_UNIT(APART)
+        ) layer (
+            .clk,
+            .advance,
+            .left(share11),
+            .right(colour11[channel*C+:C]),
+            .low(low12),
+            .product(product13)
+        );
+      end
+      always_ff @(posedge clk) if (advance) below13 <= |(low12 & LOW'(BELOW_COLOUR));
       logic [SUM-1:0] sum13;
       logic tie13;
       assign {sum13, carry_colour[channel]} = {colour13[channel*SUM+:SUM], 1'b1} + product13[COLOUR_SHIFT-1+:SUM+1];
-      assign tie13 = EVEN && product13[COLOUR_SHIFT-1] && !below13 && ~|((product13 & BELOW_COLOUR) >> 18);
+      assign tie13 = EVEN && product13[COLOUR_SHIFT-1] && !below13 && ~|((product13 & BELOW_COLOUR) >> LOW);
       assign colour_word[channel*SUM+:SUM] = {sum13[SUM-1:1], sum13[0] && !tie13};
     end
   endgenerate

@@ -12,7 +12,8 @@
 // being issued.
 module row_generator #(
     parameter LANE_BITS = 0,  // of a row's number, which say the lane that it goes to
-    parameter INTERVAL = 1
+    parameter INTERVAL = 1,
+    parameter WIDE_MULTIPLIERS = 4  // of a product of two wide factors: 4, or 3 (multiply_three.sv)
 ) (
     input logic clk,
     input logic rst,
@@ -43,6 +44,9 @@ module row_generator #(
   localparam FINE = splatline_pkg::SUBPIXEL + 8;
   localparam COARSE = splatline_pkg::SUBPIXEL - 2;
   localparam [CENTRE:0] COARSE_REST = ((CENTRE + 1)'(1) << COARSE) - 1'b1;
+  localparam THREE = WIDE_MULTIPLIERS == 3 && M > 22;
+  // Is A there a cycle before it is multiplied?
+  localparam LATE = INTERVAL == 2 || THREE ? 1 : 0;
   localparam STAGES = 32;
   // Rows from issue to the lanes' queues: twice the stages, so that the queue never runs dry while places come back.
   localparam PLACES = 64;
@@ -125,7 +129,7 @@ module row_generator #(
 
   // Stage 4: the squared half-width, Q.24 before the exponent, from factors that multipliers hold in registers of their
   // own. Stage 6: brought to [1/4, 1) by an even shift.
-  logic [29:0] doubled2;
+  logic [29:0] doubled1, doubled2;
   logic [M+29:0] product4;
   logic [63:0] squared4, squared5, normal5;
   logic [1:0] sixteenth4, sixteens4, sixteens5, pair5;
@@ -133,11 +137,23 @@ module row_generator #(
   logic [7:0] index6;
   logic [15:0] fraction6;
   logic [4:0] pairs6;
+  assign doubled1 = squared_width_odd1 ? {rest1[ROW-2-:29], 1'b0} : {1'b0, rest1[ROW-2-:29]};
   always_ff @(posedge clk) begin
-    doubled2 <= squared_width_odd1 ? {rest1[ROW-2-:29], 1'b0} : {1'b0, rest1[ROW-2-:29]};
+    doubled2 <= doubled1;
     squared_width2 <= squared_width1;
   end
-  multiply #(.LEFT(30), .RIGHT(M)) multiply_half (.clk, .advance(1'b1), .left(doubled2), .right(squared_width2), .low(), .product(product4));
+  generate
+    if (THREE) begin : gen_three
+      logic [17:0] doubled_sum2, squared_width_sum2;
+      always_ff @(posedge clk) begin
+        doubled_sum2 <= splatline_math::halves(34'(doubled1));
+        squared_width_sum2 <= splatline_math::halves(34'(squared_width1));
+      end
+      multiply_three #(.LEFT(30), .RIGHT(M)) multiply_half (.clk, .advance(1'b1), .left(doubled2), .left_sum(doubled_sum2), .right(squared_width2), .right_sum(squared_width_sum2), .low(), .product(product4));
+    end else begin : gen_usual
+      multiply #(.LEFT(30), .RIGHT(M)) multiply_half (.clk, .advance(1'b1), .left(doubled2), .right(squared_width2), .low(), .product(product4));
+    end
+  endgenerate
   assign squared4 = 64'(product4);
   // Pairs of leading zeros, 31 where there is nothing: eights of them in one stage, the others in the next.
   logic [7:1] some5;
@@ -224,8 +240,8 @@ module row_generator #(
     negative22 <= negative21;
   end
   delay #(.BITS(1), .STAGES(2)) hold_negative (.clk, .rst, .advance(1'b1), .in(negative22), .out(negative24));
-  delay #(.BITS(M + E), .STAGES(22 - INTERVAL)) hold_horizontal (.clk, .rst, .advance(1'b1), .in({horizontal1, drop_first1}), .out({horizontal, drop_first}));
-  delay #(.BITS(E), .STAGES(INTERVAL - 1)) hold_drop_first22 (.clk, .rst, .advance(1'b1), .in(drop_first), .out(drop_first22));
+  delay #(.BITS(M + E), .STAGES(21 - LATE)) hold_horizontal (.clk, .rst, .advance(1'b1), .in({horizontal1, drop_first1}), .out({horizontal, drop_first}));
+  delay #(.BITS(E), .STAGES(LATE)) hold_drop_first22 (.clk, .rst, .advance(1'b1), .in(drop_first), .out(drop_first22));
 
   // Stage 29: the first difference. Stage 31: the radial index without its constants.
   logic [31:0] first28, radial31;
@@ -242,7 +258,7 @@ module row_generator #(
     drop_radial23 <= drop_first22 + E'(more22);
   end
   delay #(.BITS(32), .STAGES(27)) hold_unit (.clk, .rst, .advance(1'b1), .in(unit1), .out(unit28));
-  row_seed #(.INTERVAL(INTERVAL)) seed (.clk, .rst, .phase, .dx21, .horizontal, .negative24, .drop_first24, .drop_radial27, .first28, .radial31);
+  row_seed #(.INTERVAL(INTERVAL), .THREE(THREE)) seed (.clk, .rst, .phase, .dx21, .horizontal, .negative24, .drop_first24, .drop_radial27, .first28, .radial31);
   always_ff @(posedge clk) first29 <= first28 + unit28;
 
   // Stage 3: C dy^2 and what balances the seed. Stage 32: the radial index.

@@ -16,10 +16,14 @@ module run_paint #(
     output logic [splatline_pkg::PEAK+3:0] peak,
     input logic colour_advance,
     input logic [$clog2(SLOTS)-1:0] colour_slot,
-    output logic [3*splatline_pkg::COLOUR_BITS-1:0] colour  // blue, green, red
+    output logic [3*splatline_pkg::COLOUR_BITS-1:0] colour,  // blue, green, red
+    output logic [53:0] colour_sums  // of each its halves', for multiply_three.sv
 );
   logic [splatline_pkg::PEAK+3:0] peaks[0:SLOTS-1];
-  logic [3*splatline_pkg::COLOUR_BITS-1:0] colours[0:SLOTS-1];
+  localparam C = splatline_pkg::COLOUR_BITS;
+  logic [3*C-1:0] colours[0:SLOTS-1];
+  logic [3*C-1:0] read;
+  assign read = colours[colour_slot];
 
   always_ff @(posedge clk) begin
     if (write) begin
@@ -27,6 +31,9 @@ module run_paint #(
       colours[write_slot] <= {paint.blue, paint.green, paint.red};
     end
     if (peak_advance) peak <= peaks[peak_slot];
-    if (colour_advance) colour <= colours[colour_slot];
+    if (colour_advance) begin
+      colour <= read;
+      for (int i = 0; i < 3; i = i + 1) colour_sums[18*i+:18] <= splatline_math::halves(34'(read[C*i+:C]));
+    end
   end
 endmodule

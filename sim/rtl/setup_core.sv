@@ -1,7 +1,7 @@
 // A core of the setup unit: one pipeline, through which goes every sum of products of setup, one term a cycle. Its
 // registers and tables stand in setup_memory.sv.
 //
-//   registers | factors | rest, exponents | signs, choice | product (2) | term | largest (6) | distance | shift (2) |
+//   registers | factors | rest, exponents | signs, choice | product (2) | term | largest (3) | distance | shift (2) |
 //   sign | sum | normalisation (4) | rounding | carry, write
 //
 // It is `sum_of_products`, `sum_below` and `SoftFloat::from_wide` of src/math/soft_float.rs, and all else in setup is
@@ -19,24 +19,24 @@
 module setup_core (
     input logic clk,
     // Slots by stage: slots[i] was issued i cycles ago.
-    input logic [25*splatline_setup_pkg::SLOT_BITS-1:0] slots,
+    input logic [22*splatline_setup_pkg::SLOT_BITS-1:0] slots,
     // Registers that the slot reads, one cycle after its issue, and its result.
     input logic [50:0] register_a1,
     input logic [50:0] register_b1,
-    output logic [50:0] result24,
+    output logic [50:0] result21,
     // What a table is asked for two cycles after, and its answer.
     output logic [8:0] index2,
     input logic [31:0] table3,
     // The slot's constant as first factor one cycle after its issue and as what is picked three cycles after, 0 where
     // it is neither; the right factor's share that is the same for all cores: the constant, or 2^31 beside a plain
-    // term, with what the slot adds to the exponents. Where a sum begins, seventeen cycles after.
+    // term, with what the slot adds to the exponents. Where a sum begins, fourteen cycles after.
     input logic [50:0] constant1,
     input logic [32:0] picked3,
     input logic [50:0] right3,
-    input logic [63:0] start17,
+    input logic [63:0] start14,
     // Half of the last bit that the slot's result keeps, and the bits that it keeps.
-    input logic [15:0] half22,
-    input logic [16:0] mask22,
+    input logic [15:0] half19,
+    input logic [16:0] mask19,
     // Records: written in beats, read in the round after.
     input logic load,
     input logic [3:0] load_place,
@@ -50,27 +50,24 @@ module setup_core (
   localparam signed [17:0] NOTHING = -18'sd49152;
   localparam FAINT = splatline_setup_pkg::FAINT;
 
-  splatline_setup_pkg::slot_t slot0, slot1, slot2, slot3, slot4, slot7, slot8, slot9, slot10, slot11, slot12;
-  splatline_setup_pkg::slot_t slot16, slot17, slot18, slot19, slot20, slot21, slot22, slot23;
+  splatline_setup_pkg::slot_t slot0, slot2, slot3, slot4, slot5, slot7, slot8, slot9, slot13;
+  splatline_setup_pkg::slot_t slot14, slot15, slot16, slot17, slot18, slot19, slot20;
   assign slot0 = slots[0+:BITS];
-  assign slot1 = slots[1*BITS+:BITS];
   assign slot2 = slots[2*BITS+:BITS];
   assign slot3 = slots[3*BITS+:BITS];
   assign slot4 = slots[4*BITS+:BITS];
+  assign slot5 = slots[5*BITS+:BITS];
   assign slot7 = slots[7*BITS+:BITS];
   assign slot8 = slots[8*BITS+:BITS];
   assign slot9 = slots[9*BITS+:BITS];
-  assign slot10 = slots[10*BITS+:BITS];
-  assign slot11 = slots[11*BITS+:BITS];
-  assign slot12 = slots[12*BITS+:BITS];
+  assign slot13 = slots[13*BITS+:BITS];
+  assign slot14 = slots[14*BITS+:BITS];
+  assign slot15 = slots[15*BITS+:BITS];
   assign slot16 = slots[16*BITS+:BITS];
   assign slot17 = slots[17*BITS+:BITS];
   assign slot18 = slots[18*BITS+:BITS];
   assign slot19 = slots[19*BITS+:BITS];
   assign slot20 = slots[20*BITS+:BITS];
-  assign slot21 = slots[21*BITS+:BITS];
-  assign slot22 = slots[22*BITS+:BITS];
-  assign slot23 = slots[23*BITS+:BITS];
 
   // 0 to 2: registers, record, constant. What a slot does not use is 0, so that the sources need no choice, only an or.
   logic [splatline_setup_pkg::BEAT_BITS-1:0] records[0:15];
@@ -116,7 +113,7 @@ module setup_core (
   logic [32:0] mask2;
   logic [17:0] power2;
   logic signed [17:0] first2, first3, second3, sum4;
-  logic signed [17:0] exponent5, exponent6, exponent7, exponent8, exponent9, exponent10, exponent11, exponent12, exponent13;
+  logic signed [17:0] exponent5, exponent6, exponent7, exponent8, exponent9, exponent10;
   always_comb begin
     mask2 = 33'h1ffffffff;
     first2 = a_exponent2;
@@ -143,7 +140,6 @@ module setup_core (
     else right4 <= b3 | right3[32:0];
     // One addition with a carry.
     sum4 <= 18'($signed({first3, 1'b1} + {second3, even3}) >>> 1);
-    exponent5 <= sum4;
   end
 
   // 4 to 6: the product from parts of 17 bits and a sign: as many as a signed multiplier has.
@@ -161,121 +157,120 @@ module setup_core (
     low6 <= low5[16:0];
   end
 
-  // 7 to 13: the term, and the sum's unit: the largest that its terms ask for, or the first one's.
-  logic signed [63:0] term7, term8, term9, term10, term11, term12, term13;
-  logic signed [17:0] candidate8, unit9, unit10, unit11, unit12, unit13;
+  // 5 to 10: the term, and the sum's unit: the largest that its terms ask for, or the first one's. A term asks before
+  // its product is there, so that only what comes behind it in its sum makes it wait.
+  logic signed [63:0] term7, term8, term9, term10;
+  logic signed [17:0] candidate5, unit6, unit7, unit8, unit9, unit10;
   always_ff @(posedge clk) begin
     term7 <= {high6 + 47'(cross6), low6};
-    {exponent6, exponent7, exponent8} <= {exponent5, exponent6, exponent7};
-    candidate8 <= 18'(slot7.step) + (slot7.base == 2'd2 ? 18'sd0 : exponent7);
-    {term8, exponent9} <= {term7, exponent8};
-    {term9, term10, term11, term12, term13} <= {term8, term9, term10, term11, term12};
-    {exponent10, exponent11, exponent12, exponent13} <= {exponent9, exponent10, exponent11, exponent12};
-    if (slot8.first || slot8.again || slot8.base == 0 && candidate8 > unit9) unit9 <= candidate8;
-    {unit10, unit11, unit12} <= {unit9, unit10, unit11};
+    {term8, term9, term10} <= {term7, term8, term9};
+    candidate5 <= 18'(slot4.step) + (slot4.base == 2'd2 ? 18'sd0 : sum4);
+    {exponent5, exponent6, exponent7, exponent8, exponent9, exponent10} <= {sum4, exponent5, exponent6, exponent7, exponent8, exponent9};
+    if (slot5.first || slot5.again || slot5.base == 0 && candidate5 > unit6) unit6 <= candidate5;
+    {unit7, unit8, unit9} <= {unit6, unit7, unit8};
     // What the last of the sum's terms, right behind, made of the unit.
-    unit13 <= slot12.last ? unit12 : slot11.last ? unit11 : slot10.last ? unit10 : unit9;
+    unit10 <= slot9.last ? unit9 : slot8.last ? unit8 : slot7.last ? unit7 : unit6;
   end
 
-  // 13 to 17: the term moved to the unit, by sixteens, fours and ones; the last bit moved out rounds. From 63 on all
+  // 10 to 14: the term moved to the unit, by sixteens, fours and ones; the last bit moved out rounds. From 63 on all
   // bits are the sign.
-  logic signed [18:0] shift13;
-  logic [5:0] distance14;
-  logic [3:0] distance15;
-  logic [1:0] distance16;
-  logic signed [63:0] term14;
-  logic signed [64:0] moved15, moved16, moved17;
-  logic signed [63:0] aligned17;
-  logic carry17;
-  logic signed [17:0] unit14, unit15, unit16, unit17, unit18, unit19, unit20, unit21, unit22, exponent23;
-  assign shift13 = $signed({unit13[17], unit13}) - $signed({exponent13[17], exponent13});
-  assign moved17 = moved16 >>> distance16;
+  logic signed [18:0] shift10;
+  logic [5:0] distance11;
+  logic [3:0] distance12;
+  logic [1:0] distance13;
+  logic signed [63:0] term11;
+  logic signed [64:0] moved12, moved13, moved14;
+  logic signed [63:0] aligned14;
+  logic carry14;
+  logic signed [17:0] unit11, unit12, unit13, unit14, unit15, unit16, unit17, unit18, unit19, exponent20;
+  assign shift10 = $signed({unit10[17], unit10}) - $signed({exponent10[17], exponent10});
+  assign moved14 = moved13 >>> distance13;
   always_ff @(posedge clk) begin
-    term14 <= term13;
-    distance14 <= shift13[18] ? 6'd0 : shift13[17:6] != 0 ? 6'd63 : shift13[5:0];
-    moved15 <= $signed({term14, 1'b0}) >>> {distance14[5:4], 4'd0};
-    distance15 <= distance14[3:0];
-    moved16 <= moved15 >>> {distance15[3:2], 2'd0};
-    distance16 <= distance15[1:0];
-    aligned17 <= moved17[64:1] ^ {64{slot16.subtracted}};
-    carry17 <= (moved17[0] && !slot16.down) ^ slot16.subtracted;
-    {unit14, unit15, unit16, unit17} <= {unit13, unit14, unit15, unit16};
+    term11 <= term10;
+    distance11 <= shift10[18] ? 6'd0 : shift10[17:6] != 0 ? 6'd63 : shift10[5:0];
+    moved12 <= $signed({term11, 1'b0}) >>> {distance11[5:4], 4'd0};
+    distance12 <= distance11[3:0];
+    moved13 <= moved12 >>> {distance12[3:2], 2'd0};
+    distance13 <= distance12[1:0];
+    aligned14 <= moved14[64:1] ^ {64{slot13.subtracted}};
+    carry14 <= (moved14[0] && !slot13.down) ^ slot13.subtracted;
+    {unit11, unit12, unit13, unit14} <= {unit10, unit11, unit12, unit13};
   end
 
-  // 17: the sum, whose start is 0 after its first term. A sum in two parts goes on in the coarser unit of the second.
-  logic signed [63:0] so_far17, sum18;
-  logic rounds17;
+  // 14: the sum, whose start is 0 after its first term. A sum in two parts goes on in the coarser unit of the second.
+  logic signed [63:0] so_far14, sum15;
+  logic rounds14;
   // What is left of a sum above and below a long word.
-  logic signed [17:0] around18;
+  logic signed [17:0] around15;
   generate
     if (FAINT > 0) begin : gen_long
-      assign around18 = 18'({sum18[FAINT-1:0] != 0, sum18[63:FAINT+33]});
+      assign around15 = 18'({sum15[FAINT-1:0] != 0, sum15[63:FAINT+33]});
     end else begin : gen_short
-      assign around18 = 0;
+      assign around15 = 0;
     end
     if (splatline_setup_pkg::LOW > 0) begin : gen_parts
-      assign so_far17 = slot17.first ? 64'sd0 : slot17.again ? sum18 >>> splatline_setup_pkg::LOW : sum18;
-      assign rounds17 = slot17.again && sum18[splatline_setup_pkg::LOW-1];
+      assign so_far14 = slot14.first ? 64'sd0 : slot14.again ? sum15 >>> splatline_setup_pkg::LOW : sum15;
+      assign rounds14 = slot14.again && sum15[splatline_setup_pkg::LOW-1];
     end else begin : gen_one_part
-      assign so_far17 = slot17.first ? 64'sd0 : sum18;
-      assign rounds17 = 0;
+      assign so_far14 = slot14.first ? 64'sd0 : sum15;
+      assign rounds14 = 0;
     end
   endgenerate
   always_ff @(posedge clk) begin
-    sum18 <= 64'(65'({so_far17 | start17, 1'b1} + {aligned17, carry17 || rounds17}) >> 1);
-    {unit18, unit20, unit21, unit22} <= {unit17, unit19, unit20, unit21};
-    unit19 <= FAINT > 0 && slot18.extended ? around18 : unit18;
+    sum15 <= 64'(65'({so_far14 | start14, 1'b1} + {aligned14, carry14 || rounds14}) >> 1);
+    {unit15, unit17, unit18, unit19} <= {unit14, unit16, unit17, unit18};
+    unit16 <= FAINT > 0 && slot15.extended ? around15 : unit15;
   end
 
-  // 18 to 22: moved left until the leading bit stands below the sign, or as far as the slot says, by sixteens, fours
-  // and ones; 23: rounded; 24: carried.
-  logic [64:0] sum19;
-  logic [64:0] thirties19;
-  logic [48:0] sixteens20;
-  logic [36:0] fours21;
-  logic [33:0] moved22, rounded23;
-  logic [2:0] signs19;
-  logic far19, middle19;
-  logic [1:0] fours20, ones21;
-  logic [1:0] far_middle20;
-  logic [3:0] spare21;
-  logic [5:0] spare22;
-  logic nothing23, carried23, over23;
+  // 15 to 19: moved left until the leading bit stands below the sign, or as far as the slot says, by sixteens, fours
+  // and ones; 20: rounded; 21: carried.
+  logic [64:0] sum16;
+  logic [64:0] thirties16;
+  logic [48:0] sixteens17;
+  logic [36:0] fours18;
+  logic [33:0] moved19, rounded20;
+  logic [2:0] signs16;
+  logic far16, middle16;
+  logic [1:0] fours17, ones18;
+  logic [1:0] far_middle17;
+  logic [3:0] spare18;
+  logic [5:0] spare19;
+  logic nothing20, carried20, over20;
   // How many parts below the sign are nothing but signs, from the first one on.
   function automatic logic [1:0] leading(input logic [2:0] signs);
     leading = {signs[0] && signs[1], signs[0] && (!signs[1] || signs[2])};
   endfunction
 
   always_comb begin
-    far19 = &signs19[1:0];
-    middle19 = far19 ? signs19[2] : signs19[0];
-    if (!slot19.normal) {far19, middle19} = slot19.spare[5:4];
-    thirties19 = far19 ? {sum19[32:0], 32'd0} : sum19;
-    fours20 = leading({sixteens20[39:35] == {5{sixteens20[39]}}, sixteens20[43:39] == {5{sixteens20[43]}}, sixteens20[47:43] == {5{sixteens20[47]}}});
-    if (!slot20.normal) fours20 = slot20.spare[3:2];
-    ones21 = leading({fours21[32] == fours21[35], fours21[33] == fours21[35], fours21[34] == fours21[35]});
-    if (!slot21.normal) ones21 = slot21.spare[1:0];
+    far16 = &signs16[1:0];
+    middle16 = far16 ? signs16[2] : signs16[0];
+    if (!slot16.normal) {far16, middle16} = slot16.spare[5:4];
+    thirties16 = far16 ? {sum16[32:0], 32'd0} : sum16;
+    fours17 = leading({sixteens17[39:35] == {5{sixteens17[39]}}, sixteens17[43:39] == {5{sixteens17[43]}}, sixteens17[47:43] == {5{sixteens17[47]}}});
+    if (!slot17.normal) fours17 = slot17.spare[3:2];
+    ones18 = leading({fours18[32] == fours18[35], fours18[33] == fours18[35], fours18[34] == fours18[35]});
+    if (!slot18.normal) ones18 = slot18.spare[1:0];
   end
-  assign over23 = rounded23[33] && !rounded23[31] && rounded23[30:1] == 0;
-  assign carried23 = slot23.normal && (rounded23[32] != rounded23[33] || over23);
+  assign over20 = rounded20[33] && !rounded20[31] && rounded20[30:1] == 0;
+  assign carried20 = slot20.normal && (rounded20[32] != rounded20[33] || over20);
   always_ff @(posedge clk) begin
-    sum19 <= {sum18[63], sum18};
-    for (int i = 0; i < 3; i = i + 1) signs19[i] <= sum18[47-16*i+:17] == {17{sum18[63-16*i]}};
-    sixteens20 <= middle19 ? thirties19[48:0] : thirties19[64:16];
-    far_middle20 <= {far19, middle19};
-    fours21 <= 37'((sixteens20 << {fours20, 2'd0}) >> 12);
-    spare21 <= {far_middle20, fours20};
-    moved22 <= 34'((fours21 << ones21) >> 3);
-    spare22 <= {spare21, ones21};
-    rounded23 <= (moved22 + {18'd0, half22}) & {17'h1ffff, mask22};
+    sum16 <= {sum15[63], sum15};
+    for (int i = 0; i < 3; i = i + 1) signs16[i] <= sum15[47-16*i+:17] == {17{sum15[63-16*i]}};
+    sixteens17 <= middle16 ? thirties16[48:0] : thirties16[64:16];
+    far_middle17 <= {far16, middle16};
+    fours18 <= 37'((sixteens17 << {fours17, 2'd0}) >> 12);
+    spare18 <= {far_middle17, fours17};
+    moved19 <= 34'((fours18 << ones18) >> 3);
+    spare19 <= {spare18, ones18};
+    rounded20 <= (moved19 + {18'd0, half19}) & {17'h1ffff, mask19};
     // 32 bits to the left change nothing.
-    exponent23 <= unit22 - 18'($signed({!spare22[5], spare22[4:0]}));
-    nothing23 <= slot22.normal && moved22[31] == moved22[32];
+    exponent20 <= unit19 - 18'($signed({!spare19[5], spare19[4:0]}));
+    nothing20 <= slot19.normal && moved19[31] == moved19[32];
 
     // What carries is a power of two.
-    result24[32:31] <= {rounded23[33], carried23 ? rounded23[33] : rounded23[32]};
-    result24[30:0] <= {rounded23[31] | carried23, rounded23[30:1]};
-    result24[50:33] <= exponent23 + $signed({17'd0, carried23});
-    if (nothing23) result24[50:33] <= NOTHING;
+    result21[32:31] <= {rounded20[33], carried20 ? rounded20[33] : rounded20[32]};
+    result21[30:0] <= {rounded20[31] | carried20, rounded20[30:1]};
+    result21[50:33] <= exponent20 + $signed({17'd0, carried20});
+    if (nothing20) result21[50:33] <= NOTHING;
   end
 endmodule

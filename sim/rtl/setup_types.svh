@@ -61,7 +61,7 @@
   // What all cores obey in a cycle and what comes and goes beside it: one pair of cores hands it to the next
   // (setup_pair.sv). What the fields mean stands in setup_core.sv and setup_memory.sv.
   typedef struct packed {
-    logic [25*SLOT_BITS-1:0] slots;  // slot i was issued i cycles ago
+    logic [22*SLOT_BITS-1:0] slots;  // slot i was issued i cycles ago
     logic unread_a;
     logic unread_b;
     logic [7:0] a_place;
@@ -71,9 +71,9 @@
     logic [50:0] constant1;
     logic [32:0] picked3;
     logic [50:0] right3;
-    logic [63:0] start17;
-    logic [15:0] half22;
-    logic [16:0] mask22;
+    logic [63:0] start14;
+    logic [15:0] half19;
+    logic [16:0] mask19;
     logic side;  // of the records that are read,
     logic out_side;  // of the results that `out` slots write
     logic load;  // a beat of a record comes

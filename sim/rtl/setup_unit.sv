@@ -149,17 +149,17 @@ module setup_unit #(
   logic [BITS-1:0] read, stored;
   logic issued;
   splatline_setup_pkg::slot_t fetched, issue;
-  logic [25*BITS-1:0] slots;
+  logic [22*BITS-1:0] slots;
   logic [7:0] a_place, b_place, write_place;
-  logic [24*8-1:0] result_places;
+  logic [21*8-1:0] result_places;
   logic [3:0] splat, leaving, second_splat;
   logic [81:0] constant1, constant2, constant3;
   logic [50:0] right3;
-  logic [63:0] start16, start17;
-  splatline_setup_pkg::slot_t slot0, slot1, slot2, slot15, slot16, slot21, slot23;
+  logic [63:0] start13, start14;
+  splatline_setup_pkg::slot_t slot0, slot1, slot2, slot12, slot13, slot18, slot20;
   logic unread_a0, unread_b0, writes;
-  logic [15:0] half22;
-  logic [16:0] mask22;
+  logic [15:0] half19;
+  logic [16:0] mask19;
   logic [3:0] rule_flags;
   logic other;
   logic [5:0] constant_place;
@@ -185,10 +185,10 @@ module setup_unit #(
   assign slot0 = slots[0+:BITS];
   assign slot1 = slots[1*BITS+:BITS];
   assign slot2 = slots[2*BITS+:BITS];
-  assign slot15 = slots[15*BITS+:BITS];
-  assign slot16 = slots[16*BITS+:BITS];
-  assign slot21 = slots[21*BITS+:BITS];
-  assign slot23 = slots[23*BITS+:BITS];
+  assign slot12 = slots[12*BITS+:BITS];
+  assign slot13 = slots[13*BITS+:BITS];
+  assign slot18 = slots[18*BITS+:BITS];
+  assign slot20 = slots[20*BITS+:BITS];
   assign unread_a0 = slot0.a_constant || slot0.a_input;
   assign unread_b0 = !slot0.out && (slot0.b_constant || slot0.lookup != 0 || (slot0.plain && slot0.pick == 0));
   always_ff @(posedge clk) begin
@@ -199,10 +199,10 @@ module setup_unit #(
     fetched_side <= round[0];
     a_place <= other ? fetched.b + {4'd0, splat & fetched.b_turn} : fetched.a + {4'd0, splat & fetched.a_turn};
     b_place <= fetched.b + {4'd0, second_splat & fetched.b_turn};
-    result_places <= {result_places[23*8-1:0], fetched.place + {4'd0, splat & fetched.place_turn}};
-    write_place <= result_places[23*8+:8];
-    writes <= slot23.write;
-    slots <= {slots[24*BITS-1:0], issue};
+    result_places <= {result_places[20*8-1:0], fetched.place + {4'd0, splat & fetched.place_turn}};
+    write_place <= result_places[20*8+:8];
+    writes <= slot20.write;
+    slots <= {slots[21*BITS-1:0], issue};
     constant_place <= fetched.constant;
     side <= fetched_side;
     constant1 <= constants[constant_place];
@@ -210,11 +210,11 @@ module setup_unit #(
     // The cores' common share of the right factor and of the exponents.
     right3[32:0] <= slot2.plain && !slot2.entry ? 33'h80000000 : slot2.b_constant ? constant2[32:0] : 33'd0;
     right3[50:33] <= ((slot2.b_constant && !slot2.plain) || slot2.pick != 0 ? constant2[81:64] : 18'd0) + 18'(slot2.offset);
-    start16 <= starts[slot15.start];
-    start17 <= slot16.addend ? start16 : 64'd0;
+    start13 <= starts[slot12.start];
+    start14 <= slot13.addend ? start13 : 64'd0;
     // A mantissa's rounding.
-    half22 <= slot21.normal ? 16'd1 << slot21.drop : 16'd0;
-    mask22 <= slot21.normal ? ~17'd1 << slot21.drop : ~17'd0;
+    half19 <= slot18.normal ? 16'd1 << slot18.drop : 16'd0;
+    mask19 <= slot18.normal ? ~17'd1 << slot18.drop : ~17'd0;
   end
 
   // The cores, pair after pair: their steps, and the words that leave them.
@@ -233,9 +233,9 @@ module setup_unit #(
     slot1.a_constant ? {constant1[81:64], constant1[32:0]} : 51'd0,
     constant3[32:0],
     right3,
-    start17,
-    half22,
-    mask22,
+    start14,
+    half19,
+    mask19,
     side,
     side2,
     beat_valid,

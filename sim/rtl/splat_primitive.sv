@@ -17,6 +17,7 @@ module splat_primitive #(
     parameter SETUP_INTERVAL = 4,
     parameter ROW_INTERVAL = 1,
     parameter ADDED_BITS = 4,  // which opacities and shares multiply by additions, see multiply.sv
+    parameter WIDE_MULTIPLIERS = 4,  // of rows' and colours' products of two wide factors: 4 or 3, see multiply_three.sv
     parameter BLOCK_WORDS = 512  // of a block RAM at its full width; 0 where a memory's bits are paid for one by one
 ) (
     input logic clk,
@@ -60,6 +61,9 @@ module splat_primitive #(
   // What the circuit is not built for fails here, not in the picture. The generator of packages refuses the same widths
   // by name.
   generate
+    if (WIDE_MULTIPLIERS != 3 && WIDE_MULTIPLIERS != 4) begin : gen_illegal_multipliers
+      $error("WIDE_MULTIPLIERS must be 3 or 4");
+    end
     if (LANES < 1 || LANES > 16 || (LANES & (LANES - 1)) != 0 || LANES >= (1 << ROW_BITS)) begin : gen_illegal_lanes
       $error("LANES must be 1, 2, 4, 8 or 16, and fewer than a tile has rows");
     end
@@ -149,7 +153,8 @@ module splat_primitive #(
   );
   row_generator #(
       .LANE_BITS(LANE_BITS),
-      .INTERVAL(ROW_INTERVAL)
+      .INTERVAL(ROW_INTERVAL),
+      .WIDE_MULTIPLIERS(WIDE_MULTIPLIERS)
   ) rows (
       .clk,
       .rst,
@@ -265,6 +270,7 @@ module splat_primitive #(
       logic [SLOT_BITS-1:0] in_slot, queued_slot, slot0, slot4, slot5, colour_slot;
       logic [PEAK_BITS-1:0] peak5;
       logic [PAINT_BITS-1:0] colour_found;
+      logic [53:0] colour_sums;
       logic [splatline_pkg::WEIGHT:0] weight;
 
       if (LANES == 1) begin : gen_all_rows
@@ -322,7 +328,8 @@ module splat_primitive #(
           .peak(peak5),
           .colour_advance(blend_moves),
           .colour_slot,
-          .colour(colour_found)
+          .colour(colour_found),
+          .colour_sums
       );
       lane #(
           .SLOT_BITS(SLOT_BITS)
@@ -379,7 +386,8 @@ module splat_primitive #(
       blend #(
           .ADDRESS(ADDRESS),
           .SLOT_BITS(SLOT_BITS),
-          .ADDED_BITS(ADDED_BITS)
+          .ADDED_BITS(ADDED_BITS),
+          .WIDE_MULTIPLIERS(WIDE_MULTIPLIERS)
       ) over (
           .clk,
           .rst,
@@ -392,6 +400,7 @@ module splat_primitive #(
           .pixel_slot(slot5),
           .colour_slot,
           .colour11(colour_found),
+          .colour_sums11(colour_sums),
           .transmittance_read_address,
           .transmittance_read(drawn ? transmittances[TRANSMITTANCE_BITS+:TRANSMITTANCE_BITS] : transmittances[0+:TRANSMITTANCE_BITS]),
           .transmittance_write,

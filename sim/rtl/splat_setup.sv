@@ -55,6 +55,11 @@ module splat_setup #(
     extend = {{(E - 10) {exponent[9]}}, exponent};
   endfunction
 
+  // Of an interval of 8, wide mantissas have one multiplier for all three products. Then S dy waits a cycle for C dy,
+  // and the alignments of S dy and A change places.
+  localparam SHARED = INTERVAL == 8 && M > 18;
+  localparam LATE = SHARED ? 1 : 0;
+
   // Cycles since the reset: with an interval, whose turn it is.
   logic taken, place, due;
   logic [2:0] phase;
@@ -115,15 +120,17 @@ module splat_setup #(
   delay #(.BITS(1), .STAGES(5)) hold_coarse12 (.clk, .rst, .advance(1'b1), .in(coarse7), .out(coarse12));
   always_ff @(posedge clk) coarse13 <= coarse12;
 
-  // Alignments: to A at RADIAL + GUARD bits for the seeds (from stage 3), S (5), C with GUARD bits (8) and S dy (10) in
-  // fixed point; and to C dy, doubled (14), and C dy^2 (17).
-  logic [M-1:0] horizontal3, vertical7, vertical8, along14;
-  logic signed [E-1:0] horizontal_exponent3, vertical_exponent7, vertical_exponent8, moved_shift10, along_exponent14, square_shift17;
-  logic [2*M-1:0] moved10, square17;
-  logic moved_negative10, along_negative14;
-  logic signed [63:0] fine8, shear_fixed10, fine13, moved15, double19, vertical22;
+  // Alignments: to A at RADIAL + GUARD bits for the seeds (from stage 3, SHARED 2), S (5), C with GUARD bits (8) and
+  // S dy (10, SHARED 11) in fixed point; and to C dy, doubled (14), and C dy^2 (17).
+  logic [M-1:0] horizontal2, horizontal3, vertical7, vertical8, along14;
+  logic signed [E-1:0] horizontal_exponent2, horizontal_exponent3, horizontal_shift, moved_shift, vertical_exponent7, vertical_exponent8, moved_shift10, along_exponent14, square_shift17;
+  logic [2*M-1:0] moved, square17;
+  logic moved_negative10, moved_negative, along_negative14;
+  logic signed [63:0] fine8, shear_fixed10, fine13, aligned2, aligned3, aligned_moved, double19, vertical22;
   logic [127:0] spare_alignments;
-  delay #(.BITS(M + E), .STAGES(2)) hold_horizontal3 (.clk, .rst, .advance(1'b1), .in({f1.horizontal_mantissa, extend(f1.horizontal_exponent)}), .out({horizontal3, horizontal_exponent3}));
+  delay #(.BITS(M + E), .STAGES(1)) hold_horizontal2 (.clk, .rst, .advance(1'b1), .in({f1.horizontal_mantissa, extend(f1.horizontal_exponent)}), .out({horizontal2, horizontal_exponent2}));
+  delay #(.BITS(M + E), .STAGES(1)) hold_horizontal3 (.clk, .rst, .advance(1'b1), .in({horizontal2, horizontal_exponent2}), .out({horizontal3, horizontal_exponent3}));
+  assign horizontal_shift = -(SHARED ? horizontal_exponent2 : horizontal_exponent3) - E'(RADIAL + GUARD);
   delay #(.BITS(M + E), .STAGES(6)) hold_vertical7 (.clk, .rst, .advance(1'b1), .in({f1.vertical_mantissa, extend(f1.vertical_exponent)}), .out({vertical7, vertical_exponent7}));
   delay #(.BITS(M + E), .STAGES(1)) hold_vertical8 (.clk, .rst, .advance(1'b1), .in({vertical7, vertical_exponent7}), .out({vertical8, vertical_exponent8}));
   // Stage 5 has place 1 and stage 17 place 5, so that either unit of an interval of 4 has a cycle for all that is its
@@ -137,22 +144,29 @@ module splat_setup #(
   ) align_all (
       .clk,
       .phase(align_phase),
-      .negative({1'b0, along_negative14, 3'b000, moved_negative10, shear_negative5, 1'b0}),
+      .negative({1'b0, along_negative14, 2'b00, SHARED && moved_negative, !SHARED && moved_negative, shear_negative5, 1'b0}),
       .magnitude({
-        (2 * M)'(0), (2 * M)'(along14), square17, (2 * M)'(0), (2 * M)'(horizontal3), moved10, (2 * M)'(shear5), (2 * M)'(vertical8)
+        (2 * M)'(0),
+        (2 * M)'(along14),
+        square17,
+        (2 * M)'(0),
+        SHARED ? {moved, (2 * M)'(horizontal2)} : {(2 * M)'(horizontal3), moved},
+        (2 * M)'(shear5),
+        (2 * M)'(vertical8)
       }),
       .shift({
         E'(0),
         E'(-along_exponent14 - E'(VERTICAL + 1)),
         square_shift17,
         E'(0),
-        E'(-horizontal_exponent3 - E'(RADIAL + GUARD)),
-        moved_shift10,
+        SHARED ? {moved_shift, horizontal_shift} : {horizontal_shift, moved_shift},
         shear_shift5,
         E'(-vertical_exponent8 - E'(VERTICAL + GUARD))
       }),
-      .result({spare_alignments[127:64], double19, vertical22, spare_alignments[63:0], fine8, moved15, shear_fixed10, fine13})
+      .result({spare_alignments[127:64], double19, vertical22, spare_alignments[63:0], aligned3, aligned2, shear_fixed10, fine13})
   );
+  assign aligned_moved = SHARED ? aligned3 : aligned2;
+  delay #(.BITS(64), .STAGES(LATE)) hold_fine8 (.clk, .rst, .advance(1'b1), .in(SHARED ? aligned2 : aligned3), .out(fine8));
 
   // Normalisations: of dy (from stage 3) and of C dy (10).
   localparam NORMAL = DY > 2 * M ? DY : 2 * M;
@@ -180,26 +194,34 @@ module splat_setup #(
   );
   delay #(.BITS(M + E), .STAGES(7)) hold_dy (.clk, .rst, .advance(1'b1), .in({dy7, dy_exponent7}), .out({dy14, dy_exponent14}));
 
-  // Products of mantissas: C dy (from stage 7), C dy dy (14), and beside them S dy (7).
-  logic [12*M-1:0] spare_squares;
-  shared_multiply #(
-      .LEFT(M),
-      .RIGHT(M),
-      .INTERVAL(INTERVAL),
-      .USED(8'b11000000)
-  ) multiply_mantissas (
-      .clk,
-      .phase,
-      .left({vertical7, along14, (6 * M)'(0)}),
-      .right({dy7, dy14, (6 * M)'(0)}),
-      .product({along10, square17, spare_squares})
-  );
+  // Products of mantissas: C dy (from stage 7), C dy dy (14), and beside them S dy (7), SHARED in the same unit (8).
   logic [M-1:0] shear8, dy8;
+  logic [2*M-1:0] shared_moved;
+  logic [10*M-1:0] spare_squares;
   always_ff @(posedge clk) begin
     shear8 <= shear7;
     dy8 <= dy7;
   end
-  multiply #(.LEFT(M), .RIGHT(M)) multiply_moved (.clk, .advance(1'b1), .left(shear8), .right(dy8), .low(), .product(moved10));
+  shared_multiply #(
+      .LEFT(M),
+      .RIGHT(M),
+      .INTERVAL(INTERVAL),
+      .USED(8'b11000000 | 8'(SHARED))
+  ) multiply_mantissas (
+      .clk,
+      .phase,
+      .left({vertical7, along14, (5 * M)'(0), {M{SHARED}} & shear8}),
+      .right({dy7, dy14, (5 * M)'(0), {M{SHARED}} & dy8}),
+      .product({along10, square17, spare_squares, shared_moved})
+  );
+  generate
+    if (SHARED) begin : gen_shared
+      assign moved = shared_moved;
+    end else begin : gen_moved
+      multiply #(.LEFT(M), .RIGHT(M)) multiply_moved (.clk, .advance(1'b1), .left(shear8), .right(dy8), .low(), .product(moved));
+    end
+  endgenerate
+  delay #(.BITS(E + 1), .STAGES(LATE)) hold_moved (.clk, .rst, .advance(1'b1), .in({moved_shift10, moved_negative10}), .out({moved_shift, moved_negative}));
   logic signed [E-1:0] along_exponent8, along_exponent9, moved_shift8, moved_shift9, square_shift15, square_shift16;
   logic dy_negative8, dy_negative9, moved_negative8, moved_negative9;
   always_ff @(posedge clk) begin
@@ -220,10 +242,10 @@ module splat_setup #(
     square_shift17 <= square_shift16;
   end
 
-  // Stage 16: xc - 1/2 of the first row. Stage 17: cut to its word, of which no row that meets the window gets near the
-  // ends.
-  logic signed [WIDE-1:0] base14, base15, sum16, centre_u13;
-  logic signed [CENTRE-1:0] centre17, shear12;
+  // Stage 16, with SHARED 17: xc - 1/2 of the first row. The stage after it: cut to its word, of which no row that
+  // meets the window gets near the ends.
+  logic signed [WIDE-1:0] base14, base15, base, sum, centre_u13;
+  logic signed [CENTRE-1:0] centre, shear12;
   logic [CENTRE-1:0] centre_u12;
   localparam signed [WIDE-1:0] PIXEL_HALF = WIDE'(1) << (SUBPIXEL - 1);
   delay #(.BITS(CENTRE), .STAGES(11)) hold_centre_u (.clk, .rst, .advance(1'b1), .in(f1.centre_u), .out(centre_u12));
@@ -231,14 +253,16 @@ module splat_setup #(
     centre_u13 <= WIDE'($signed(centre_u12)) - PIXEL_HALF;
     base14 <= coarse13 ? (centre_u13 + WIDE'(2)) >>> 2 : centre_u13 <<< 8;
     base15 <= base14;
-    sum16 <= base15 + WIDE'(moved15);
-    centre17 <= sum16[WIDE-1:CENTRE-1] == {(WIDE - CENTRE + 1) {sum16[WIDE-1]}} ? CENTRE'(sum16) : {sum16[WIDE-1], {(CENTRE - 1) {!sum16[WIDE-1]}}};
+    sum <= base + WIDE'(aligned_moved);
+    centre <= sum[WIDE-1:CENTRE-1] == {(WIDE - CENTRE + 1) {sum[WIDE-1]}} ? CENTRE'(sum) : {sum[WIDE-1], {(CENTRE - 1) {!sum[WIDE-1]}}};
   end
+  delay #(.BITS(WIDE), .STAGES(LATE)) hold_base (.clk, .rst, .advance(1'b1), .in(base15), .out(base));
   delay #(.BITS(CENTRE), .STAGES(2)) hold_shear12 (.clk, .rst, .advance(1'b1), .in(shear_fixed10[CENTRE-1:0]), .out(shear12));
 
   // Stage 20: the first difference of C dy^2. Stage 23: C dy^2.
-  logic [ROW-1:0] curve17, unit17, unit19, start17, start22, first20, vertical23, vertical24;
+  logic [ROW-1:0] curve17, curve, unit17, unit19, start17, start22, first20, vertical23, vertical24;
   seed_balance #(.BITS(ROW)) balance_rows (.clk, .fine(fine13), .second(curve17), .unit(unit17), .start(start17));
+  delay #(.BITS(ROW), .STAGES(LATE)) hold_curve (.clk, .rst, .advance(1'b1), .in(curve17), .out(curve));
   delay #(.BITS(ROW), .STAGES(2)) hold_unit (.clk, .rst, .advance(1'b1), .in(unit17), .out(unit19));
   delay #(.BITS(ROW), .STAGES(5)) hold_start (.clk, .rst, .advance(1'b1), .in(start17), .out(start22));
   always_ff @(posedge clk) begin
@@ -248,7 +272,7 @@ module splat_setup #(
   end
   // Stages that do not exist.
   logic unused;
-  assign unused = &{1'b0, spare_alignments, spare_negatives, spare_mantissas, spare_exponents, spare_squares};
+  assign unused = &{1'b0, spare_alignments, spare_negatives, spare_mantissas, spare_exponents, spare_squares, shared_moved, aligned_moved};
 
   // `Seed::new`: unit of dx and the alignments that follow from it, constants of the footprint.
   logic [6:0] squared_width_length2;
@@ -310,7 +334,7 @@ module splat_setup #(
   // Two words of the first part wait for the second, which has bits left in its blocks of memory.
   delay #(.BITS(M + 1), .STAGES(9)) hold_horizontal12 (.clk, .rst, .advance(1'b1), .in({horizontal3, squared_width_odd3}), .out({horizontal12, squared_width_odd12}));
 
-  // The splat, in parts as they are ready: in stages 3, 12, 17, 20 and 24.
+  // The splat, in parts as they are ready: in stages 3, 12, 17 (SHARED 18), 20 and 24.
   localparam PART_3 = 2 * splatline_pkg::TILE_ROW_BITS + 1 + 2 * 16 + (ROW - 1) + M + E + (RADIAL + 5) + PEAK + COLOUR;
   localparam PART_12 = PART_3 + CENTRE + 1 + 6 + E + 3 * 32 + M + 1;
   localparam PART_17 = PART_12 + CENTRE + ROW;
@@ -328,11 +352,11 @@ module splat_setup #(
       .claim(taken),
       .free(place),
       .none(idle),
-      .in_valid({valid[STAGES], valid[20], valid[17], valid[12], valid[3]}),
+      .in_valid({valid[STAGES], valid[20], valid[17+LATE], valid[12], valid[3]}),
       .in({
         vertical24,
         first20,
-        {centre17, curve17},
+        {centre, curve},
         {shear12, coarse12, drop_dx12, drop_first12, second12, unit_balanced12, balance12, horizontal12, squared_width_odd12},
         {row3, rows3, start_column3, end_column3, reach3},
         {squared_width3, squared_width_power3, cutoff3, peak3, colours3}

@@ -79,4 +79,9 @@ package splatline_math;
     for (int i = 0; i < 4; i = i + 1) if (factor[i]) times = times + (number << i);
   endfunction
 
+  // The sum of a factor's halves of 17 bits, for multiply_three.sv.
+  function automatic logic [17:0] halves(input logic [33:0] factor);
+    halves = {1'b0, factor[33:17]} + {1'b0, factor[16:0]};
+  endfunction
+
 endpackage

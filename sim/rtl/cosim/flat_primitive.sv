@@ -4,7 +4,8 @@ module flat_primitive #(
     parameter LANES = 1,
     parameter SETUP_INTERVAL = 4,
     parameter ROW_INTERVAL = 1,
-    parameter ADDED_BITS = 4
+    parameter ADDED_BITS = 4,
+    parameter WIDE_MULTIPLIERS = 4
 ) (
     input logic clk,
     input logic rst,
@@ -71,7 +72,8 @@ module flat_primitive #(
       .LANES(LANES),
       .SETUP_INTERVAL(SETUP_INTERVAL),
       .ROW_INTERVAL(ROW_INTERVAL),
-      .ADDED_BITS(ADDED_BITS)
+      .ADDED_BITS(ADDED_BITS),
+      .WIDE_MULTIPLIERS(WIDE_MULTIPLIERS)
   ) splats (
       .clk,
       .rst,

@@ -134,7 +134,8 @@ endmodule
 module blend #(
     parameter ADDRESS = 10,
     parameter SLOT_BITS = 4,
-    parameter ADDED_BITS = 4
+    parameter ADDED_BITS = 4,
+    parameter WIDE_MULTIPLIERS = 4
 ) (
     input logic clk,
     input logic rst,
@@ -147,6 +148,7 @@ module blend #(
     input logic [SLOT_BITS-1:0] pixel_slot,
     output logic [SLOT_BITS-1:0] colour_slot,
     input logic [3*splatline_pkg::COLOUR_BITS-1:0] colour11,
+    input logic [53:0] colour_sums11,
     output logic [ADDRESS-1:0] transmittance_read_address,
     input logic [splatline_pkg::TRANSMITTANCE+1:0] transmittance_read,
     output logic transmittance_write,

@@ -18,6 +18,7 @@ module splat_axi #(
     parameter SETUP_INTERVAL = 4,
     parameter ROW_INTERVAL = 1,
     parameter ADDED_BITS = 4,
+    parameter WIDE_MULTIPLIERS = 4,
     parameter STREAM = 32
 ) (
     input logic aclk,
@@ -194,7 +195,8 @@ module splat_axi #(
       .QUEUE(QUEUE),
       .SETUP_INTERVAL(SETUP_INTERVAL),
       .ROW_INTERVAL(ROW_INTERVAL),
-      .ADDED_BITS(ADDED_BITS)
+      .ADDED_BITS(ADDED_BITS),
+      .WIDE_MULTIPLIERS(WIDE_MULTIPLIERS)
   ) splats (
       .clk(aclk),
       .rst,

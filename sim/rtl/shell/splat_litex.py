@@ -44,6 +44,7 @@ class Splat(LiteXModule):
         setup_interval: int = 4,
         row_interval: int = 1,
         added_bits: int = 4,
+        wide_multipliers: int = 4,
     ):
         self.bus = bus = AXILiteInterface(data_width=32, address_width=32)
         self.sink = sink = stream.Endpoint([("data", 32)])
@@ -71,4 +72,5 @@ class Splat(LiteXModule):
         ports |= {"i_s_axil_wdata": bus.w.data, "i_s_axil_wstrb": bus.w.strb, "o_s_axil_rdata": bus.r.data}
         parameters = {"p_LANES": lanes, "p_QUEUE": queue, "p_SETUP_INTERVAL": setup_interval}
         parameters |= {"p_ROW_INTERVAL": row_interval, "p_ADDED_BITS": added_bits}
+        parameters |= {"p_WIDE_MULTIPLIERS": wide_multipliers}
         self.specials += Instance("splat_axi", name="splat_axi", **parameters, **ports)

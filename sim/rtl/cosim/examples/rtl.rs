@@ -174,6 +174,7 @@ fn compare_design(unit: &str, design: &str) -> Result<()> {
     match unit {
         "primitive" => {
             compare_primitives(design, &LANES, Intervals::USUAL)?;
+            report::<PrimitiveLoad>(&primitive::unit::few_multipliers(design)?)?;
             report::<PrimitiveLoad>(&primitive::unit::small(design)?)
         }
         // Of several cores a number that divides no round.

@@ -117,18 +117,15 @@ fn primitive(subject: &Subject, family: Family) -> Result<Vec<Synthesised>> {
         let interval = [("INTERVAL", interval)];
         synthesised(&circuit, family, unit, &interval, &[])
     };
-    let parts = |intervals: Intervals| {
-        let setup = shared(setup_unit, intervals.setup)?;
-        Ok::<_, anyhow::Error>((setup, shared(row_unit, intervals.rows)?))
-    };
-    let ((usual, rows), (small, small_rows)) = (parts(Intervals::USUAL)?, parts(Intervals::SMALL)?);
-    let mut found = vec![
-        (SynthesisedPart::Setup(1), shared(setup_unit, 1)?),
-        (SynthesisedPart::Setup(Intervals::USUAL.setup), usual),
-        (SynthesisedPart::Setup(Intervals::SMALL.setup), small),
-        (SynthesisedPart::Rows(Intervals::USUAL.rows), rows),
-        (SynthesisedPart::Rows(Intervals::SMALL.rows), small_rows),
-    ];
+    let (usual, small) = (Intervals::USUAL, Intervals::SMALL);
+    let mut found = Vec::new();
+    for cycles in [1, usual.setup, small.setup] {
+        found.push((SynthesisedPart::Setup(cycles), shared(setup_unit, cycles)?));
+    }
+    for cycles in [usual.rows, small.rows] {
+        found.push((SynthesisedPart::Rows(cycles), shared(row_unit, cycles)?));
+    }
+    let (usual, small) = (found[1].1 + found[3].1, found[2].1 + found[4].1);
     // Words of the family's block RAM at its full width.
     let block_words = if family == Family::Ice40 { 256 } else { 512 };
     let rest = |lanes, added| {
@@ -140,12 +137,9 @@ fn primitive(subject: &Subject, family: Family) -> Result<Vec<Synthesised>> {
         synthesised(&circuit, family, PRIMITIVE.top, &parameters, &SHARED)
     };
     for lanes in LANES {
-        found.push((
-            SynthesisedPart::Lanes(lanes),
-            rest(lanes, 4)? + usual + rows,
-        ));
+        found.push((SynthesisedPart::Lanes(lanes), rest(lanes, 4)? + usual));
     }
-    found.push((SynthesisedPart::Small, rest(1, 0)? + small + small_rows));
+    found.push((SynthesisedPart::Small, rest(1, 0)? + small));
     let line = |(part, fabric)| Synthesised {
         design: subject.name.to_owned(),
         widths: subject.widths,

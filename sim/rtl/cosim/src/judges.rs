@@ -77,6 +77,7 @@ fn judges(name: &str) -> Result<Vec<Judge>> {
             let circuits = [
                 primitive::circuit("lean18", 4, Intervals::USUAL),
                 primitive::small("lean18"),
+                primitive::few_multipliers("standard24"),
             ];
             circuits
                 .map(|circuit| judge_of::<PrimitiveLoad>(circuit, name, extent))

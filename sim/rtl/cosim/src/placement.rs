@@ -64,6 +64,7 @@ pub fn circuits(words: &str) -> Result<Vec<Circuit>> {
             all.push(Circuit::new(unit, design, value)?);
         }
         all.push(primitive::unit::small(design)?);
+        all.push(primitive::unit::few_multipliers(design)?);
     }
     for (unit, value) in [(&ORDER, 8), (&HARMONICS, 1), (&HARMONICS, 2)] {
         all.push(Circuit::new(unit, DESIGNS[0], value)?);

@@ -112,6 +112,7 @@ mod with_verilator {
             for lanes in LANES {
                 scope.spawn(move || agrees(primitive::circuit(design, lanes, Intervals::USUAL)));
             }
+            scope.spawn(move || agrees(primitive::few_multipliers(design)));
             agrees(primitive::small(design));
         });
     }

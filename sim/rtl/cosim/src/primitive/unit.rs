@@ -57,6 +57,12 @@ pub fn small(design: &str) -> Result<Circuit> {
     Ok(circuit(design, 1, Intervals::SMALL)?.with("ADDED_BITS", 0))
 }
 
+/// The primitive of a design with four lanes and as few multipliers as wide products take.
+pub fn few_multipliers(design: &str) -> Result<Circuit> {
+    let intervals = Intervals { setup: 8, rows: 1 };
+    Ok(circuit(design, 4, intervals)?.with("WIDE_MULTIPLIERS", 3))
+}
+
 impl Load for PrimitiveLoad {
     const WAYS: usize = PRESSURES.len();
 

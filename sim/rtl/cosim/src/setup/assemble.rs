@@ -26,7 +26,7 @@ const CYCLES: usize = 256;
 const ATTEMPTS: u64 = 4_000;
 
 /// Cycles from the issue of a sum's last term until its result can be read.
-pub const LATENCY: usize = 25;
+pub const LATENCY: usize = 22;
 
 /// Registers of a core.
 const REGISTERS: usize = 256;
