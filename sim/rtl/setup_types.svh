@@ -58,8 +58,8 @@
   localparam logic DIRECTS = 1'b0;  // Does the program give directions? Their words leave beside, without exponents.
   localparam int WORD_BITS = PAIR_BITS + (DIRECTS ? 33 : 0);
 
-  // What all cores obey in a cycle and what comes and goes beside it: one pair of cores hands it to the next
-  // (setup_pair.sv). What the fields mean stands in setup_core.sv and setup_memory.sv.
+  // What all cores obey in a cycle and what comes and goes beside it: one group of cores hands it to the
+  // next (setup_group.sv). What the fields mean stands in setup_core.sv and setup_memory.sv.
   typedef struct packed {
     logic [22*SLOT_BITS-1:0] slots;  // slot i was issued i cycles ago
     logic unread_a;
@@ -77,7 +77,7 @@
     logic side;  // of the records that are read,
     logic out_side;  // of the results that `out` slots write
     logic load;  // a beat of a record comes
-    logic [5:0] load_core;  // to this core, counted from the pair's first,
+    logic [5:0] load_core;  // to this core, counted from the group's first,
     logic [3:0] load_place;
     logic [BEAT_BITS-1:0] load_beat;
     logic [5:0] drain_core;  // whose results go,

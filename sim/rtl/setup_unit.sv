@@ -2,14 +2,14 @@
 // is culled (0: none; 1 near, 2 far, 3 range, 4 degenerate, 5 transparent, 6 outside). Packet and reason equal those of
 // the kernel's `setup` (src/setup).
 //
-//   record -> setup_difference -> CORES x setup_core -> setup_pack -> fifo; cores stand in pairs (setup_pair.sv)
+//   record -> setup_difference -> CORES x setup_core -> setup_pack -> fifo; cores stand in fours (setup_group.sv)
 //                                                  `-> setup_direction -> direction
 //
 // A program with directions gives the direction of each splat as well (`direction` of src/setup/harmonics.rs), before
 // its packet leaves the queue. Whoever takes it must have a place for each of the queue's packets.
 //
-// The program of a splat has ROUND slots (splatline_setup_pkg, generated). All cores obey the same slot, pair after
-// pair, each for its own splat, so that a round takes up to CORES splats in: one in ROUND / CORES cycles, in eight at
+// The program of a splat has ROUND slots (splatline_setup_pkg, generated). All cores obey the same slot, group after
+// group, each for its own splat, so that a round takes up to CORES splats in: one in ROUND / CORES cycles, in eight at
 // best. That is the trade of multipliers for speed: a core has four multipliers of 18 bits. What needs 64 bits once for
 // a splat stands before and behind the cores, once for all of them.
 //
@@ -217,7 +217,7 @@ module setup_unit #(
     mask19 <= slot18.normal ? ~17'd1 << slot18.drop : ~17'd0;
   end
 
-  // The cores, pair after pair: their steps, and the words that leave them.
+  // The cores, group after group: their steps, and the words that leave them.
   logic side1, side2;
   logic [5:0] drain_core;
   splatline_setup_pkg::step_t step;
@@ -247,18 +247,18 @@ module setup_unit #(
     drain_side,
     phase
   };
-  localparam PAIRS = (CORES + 1) / 2;
+  localparam GROUPS = (CORES + 3) / 4;
   localparam STEP = $bits(step);
-  logic [(PAIRS+1)*STEP-1:0] steps;
-  logic [(PAIRS+1)*WORD-1:0] words;
+  logic [(GROUPS+1)*STEP-1:0] steps;
+  logic [(GROUPS+1)*WORD-1:0] words;
   assign steps[0+:STEP] = step;
   assign words[0+:WORD] = 0;
   genvar i;
   generate
-    for (i = 0; i < PAIRS; i = i + 1) begin : gen_pair
-      setup_pair #(
-          .CORES(2 * i + 1 < CORES ? 2 : 1)
-      ) pair (
+    for (i = 0; i < GROUPS; i = i + 1) begin : gen_group
+      setup_group #(
+          .CORES(4 * i + 4 < CORES ? 4 : CORES - 4 * i)
+      ) group (
           .clk,
           .step_in(steps[i*STEP+:STEP]),
           .step_out(steps[(i+1)*STEP+:STEP]),
@@ -270,7 +270,7 @@ module setup_unit #(
 
   // Results leave core by core, a splat in eight cycles, if the queue has a place for its packet.
   logic draining, begins, free;
-  logic [PAIRS+1:0] drain_valids;
+  logic [GROUPS+1:0] drain_valids;
   logic [5:0] drain_count;
   assign drain_count = drain_side ? pending_count[11:6] : pending_count[5:0];
   assign begins = phase == 0 && pending[drain_side] && free;
@@ -283,7 +283,7 @@ module setup_unit #(
     end
     // Rounds without splats leave no results.
     if (drained || (!pending[drain_side] && pending[!drain_side])) drain_side <= !drain_side;
-    drain_valids <= {drain_valids[PAIRS:0], begins};
+    drain_valids <= {drain_valids[GROUPS:0], begins};
     if (rst) {draining, drain_core, drain_side, drain_valids} <= 0;
   end
 
@@ -293,9 +293,9 @@ module setup_unit #(
   logic [47:0] packed_depth;
   splatline_pkg::footprint_t packed_packet;
   logic [95:0] colour;
-  // As far behind as the words are that come through all pairs, in a register of its own: it reaches every bit of them.
+  // As far behind as the words are that come through all groups, in a register of its own: it reaches every bit of them.
   logic [2:0] pack_phase;
-  always_ff @(posedge clk) pack_phase <= phase - 3'(PAIRS + 1);
+  always_ff @(posedge clk) pack_phase <= phase - 3'(GROUPS + 1);
   setup_pack pack (
       .clk,
       .rst,
@@ -310,8 +310,8 @@ module setup_unit #(
       .far_negative(far[63]),
       .far(far[62:0]),
       .far_leading(far[81:64]),
-      .valid(drain_valids[PAIRS+1]),
-      .word(words[PAIRS*WORD+:PAIR]),
+      .valid(drain_valids[GROUPS+1]),
+      .word(words[GROUPS*WORD+:PAIR]),
       .packet_valid(packed_valid),
       .packet_taken(packed_taken),
       .colour,
@@ -343,7 +343,7 @@ module setup_unit #(
           .constant_valid,
           .constant_index,
           .constant_value(constant_value[31:0]),
-          .word(words[PAIRS*WORD+PAIR+:33]),
+          .word(words[GROUPS*WORD+PAIR+:33]),
           .direction
       );
     end else begin : gen_no_direction

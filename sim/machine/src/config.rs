@@ -253,7 +253,7 @@ impl Config {
             read_bandwidth: 16,
             write_bandwidth: 16,
             setup_interval: 16,
-            setup_latency: 1075,
+            setup_latency: 1073,
             sorter: Sorter::Radix,
             sort_bytes: 16,
             ..Config::primitive(lanes)

@@ -57,12 +57,12 @@ const HARMONICS: &str = "HARMONICS";
 fn config(circuit: &Circuit) -> Result<Config> {
     let program = circuit.program.assembled(&circuit.design.widths)?;
     let [lanes, cores] = [0, 1].map(|place: usize| circuit.parameters[place].1);
-    // Every core of setup takes a splat in a round of the program, and each pair hands on a cycle later what it
+    // Every core of setup takes a splat in a round of the program, and each group hands on a cycle later what it
     // was told.
     Ok(Config {
         setup_units: cores,
         setup_interval: program.round as u32,
-        setup_latency: program.latency() as u32 + cores.div_ceil(2),
+        setup_latency: program.latency() as u32 + cores.div_ceil(4),
         ..Config::machine(lanes)
     })
 }

@@ -1,11 +1,10 @@
-// Two cores of the setup unit, or one, with their registers and their results.
+// Cores of the setup unit that obey the same slot, up to four, with their registers and their results.
 //
-// All cores obey the same slot. Were it sent to all of them at once, thousands of wires would lead from one place all
-// over the device and back. So each pair registers its step and hands it to the next pair, which does the
-// same a cycle later; results go the same way, and leave the last pair as many cycles after their request,
-// whichever core they are from.
-module setup_pair #(
-    parameter CORES = 2
+// Were the slot sent to all cores at once, thousands of wires would lead from one place all over the device and back. So
+// each group registers its step and hands it to the next group, which does the same a cycle later; results go the same
+// way, and leave the last group as many cycles after their request, whichever core they are from.
+module setup_group #(
+    parameter CORES = 4
 ) (
     input logic clk,
     input splatline_setup_pkg::step_t step_in,
@@ -21,8 +20,8 @@ module setup_pair #(
   always_ff @(posedge clk) step <= step_in;
   always_comb begin
     step_out = step;
-    step_out.load_core = step.load_core - 6'd2;
-    step_out.drain_core = step.drain_core - 6'd2;
+    step_out.load_core = step.load_core - 6'd4;
+    step_out.drain_core = step.drain_core - 6'd4;
   end
 
   splatline_setup_pkg::slot_t slot2;
@@ -30,33 +29,39 @@ module setup_pair #(
   logic [51*CORES-1:0] registers_a, registers_b, core_results;
   logic [9*CORES-1:0] indices;
   logic [32*CORES-1:0] entries;
-  setup_memory #(
-      .CORES(CORES)
-  ) memory (
-      .clk,
-      .write(step.write),
-      .write_place(step.write_place),
-      .results(core_results),
-      .unread_a(step.unread_a),
-      .unread_b(step.unread_b),
-      .a_place(step.a_place),
-      .b_place(step.b_place),
-      .a(registers_a),
-      .b(registers_b),
-      .entry(slot2.entry),
-      .index(indices),
-      .found(entries)
-  );
-
-  logic [CORES*WORD-1:0] words;
   genvar i;
+  generate
+    for (i = 0; i < CORES; i = i + 2) begin : gen_memory
+      localparam HERE = i + 1 < CORES ? 2 : 1;
+      setup_memory #(
+          .CORES(HERE)
+      ) memory (
+          .clk,
+          .write(step.write),
+          .write_place(step.write_place),
+          .results(core_results[51*i+:51*HERE]),
+          .unread_a(step.unread_a),
+          .unread_b(step.unread_b),
+          .a_place(step.a_place),
+          .b_place(step.b_place),
+          .a(registers_a[51*i+:51*HERE]),
+          .b(registers_b[51*i+:51*HERE]),
+          .entry(slot2.entry),
+          .index(indices[9*i+:9*HERE]),
+          .found(entries[32*i+:32*HERE])
+      );
+    end
+  endgenerate
+
+  logic [CORES-1:0] drains;  // is it this core's turn?
+  logic [CORES*WORD-1:0] results;
   generate
     for (i = 0; i < CORES; i = i + 1) begin : gen_core
       logic [50:0] leaves2;
-      logic loads, drains;  // is it this core's turn?
+      logic loads;  // is it this core's turn?
       always_ff @(posedge clk) begin
         loads <= step_in.load && step_in.load_core == 6'(i);
-        drains <= step_in.drain_core == 6'(i);
+        drains[i] <= step_in.drain_core == 6'(i);
       end
       // The direction's words leave beside the others, without their exponents.
       logic beside;
@@ -96,20 +101,32 @@ module setup_pair #(
         assign beside = 0;
         assign result = {even_results[step.drain_place], odd_results[step.drain_place]};
       end
-      // Reset and not chosen: of a result that is 0 the sum over all cores needs no choice.
-      logic [WORD-1:0] drained;
-      always_ff @(posedge clk) begin
-        if (drains) drained <= result;
-        else drained <= 0;
-      end
-      assign words[i*WORD+:WORD] = drained;
+      assign results[i*WORD+:WORD] = result;
     end
   endgenerate
 
+  // One of two cores, reset where it is neither's turn: of words that are 0 the sum needs no choice.
+  localparam PAIRS = (CORES + 1) / 2;
+  logic [PAIRS*WORD-1:0] drained;
+  generate
+    for (i = 0; i < CORES; i = i + 2) begin : gen_pair
+      if (i + 1 < CORES) begin : gen_two
+        always_ff @(posedge clk) begin
+          if (drains[i+:2] == 0) drained[i/2*WORD+:WORD] <= 0;
+          else drained[i/2*WORD+:WORD] <= drains[i] ? results[i*WORD+:WORD] : results[(i+1)*WORD+:WORD];
+        end
+      end else begin : gen_one
+        always_ff @(posedge clk) begin
+          if (!drains[i]) drained[i/2*WORD+:WORD] <= 0;
+          else drained[i/2*WORD+:WORD] <= results[i*WORD+:WORD];
+        end
+      end
+    end
+  endgenerate
   logic [WORD-1:0] chosen;
   always_comb begin
     chosen = word_in;
-    for (int core = 0; core < CORES; core = core + 1) chosen = chosen | words[core*WORD+:WORD];
+    for (int pair = 0; pair < PAIRS; pair = pair + 1) chosen = chosen | drained[pair*WORD+:WORD];
   end
   always_ff @(posedge clk) word_out <= chosen;
 endmodule
