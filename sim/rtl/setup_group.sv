@@ -1,8 +1,8 @@
 // Cores of the setup unit that obey the same slot, up to four, with their registers and their results.
 //
-// Were the slot sent to all cores at once, thousands of wires would lead from one place all over the device and back. So
-// each group registers its step and hands it to the next group, which does the same a cycle later; results go the same
-// way, and leave the last group as many cycles after their request, whichever core they are from.
+// Were the slot sent to all cores at once, thousands of wires would lead from one place all over the device and back.
+// So each group registers its step and hands it to the next group, which does the same a cycle later; results go the
+// same way, and leave the last group as many cycles after their request, whichever core they are from.
 module setup_group #(
     parameter CORES = 4
 ) (

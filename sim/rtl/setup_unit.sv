@@ -293,7 +293,7 @@ module setup_unit #(
   logic [47:0] packed_depth;
   splatline_pkg::footprint_t packed_packet;
   logic [95:0] colour;
-  // As far behind as the words are that come through all groups, in a register of its own: it reaches every bit of them.
+  // As far behind as the words that come through all groups, in a register of its own: it reaches every bit of them.
   logic [2:0] pack_phase;
   always_ff @(posedge clk) pack_phase <= phase - 3'(GROUPS + 1);
   setup_pack pack (
