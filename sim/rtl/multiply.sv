@@ -101,11 +101,8 @@ module multiply #(
       end else if (ROWS * COLUMNS == 3) begin : gen_three
         assign high = (parts[BITS-1:PART] | parts[3*BITS-1:2*BITS+PART]) + (parts[2*BITS-1:BITS+PART] | whole[BITS-1:PART]);
       end else if (ROWS * COLUMNS == 4 && COLUMNS == 2) begin : gen_square
-        // Parts that do not overlap stand in one word. Of three numbers in one sum Yosys makes two first, without a
-        // carry, for 60 look-up tables more than those of an addition, so that what stands between is inverted twice.
-        logic [BITS-PART-1:0] middle;
-        assign middle = ~(parts[2*BITS-1:BITS+PART] + parts[3*BITS-1:2*BITS+PART]);
-        assign high = (parts[BITS-1:PART] | parts[4*BITS-1:3*BITS+PART] | whole[BITS-1:PART]) + ~middle;
+        // Parts that do not overlap stand in one word.
+        assign high = (parts[BITS-1:PART] | parts[4*BITS-1:3*BITS+PART] | whole[BITS-1:PART]) + parts[2*BITS-1:BITS+PART] + parts[3*BITS-1:2*BITS+PART];
       end else if (ROWS * COLUMNS == 4) begin : gen_line
         assign high = (parts[BITS-1:PART] | parts[3*BITS-1:2*BITS+PART]) + (parts[2*BITS-1:BITS+PART] | parts[4*BITS-1:3*BITS+PART] | whole[BITS-1:PART]);
       end else begin : gen_too_wide

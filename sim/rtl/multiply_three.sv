@@ -31,7 +31,8 @@ module multiply_three #(
   logic [2*HALF+1:0] sums;
   logic [UPPER-1:0] above, taken;
   assign low = lows[HALF-1:0];
-  // Inverted twice, or Yosys makes one sum of four of both and their difference (multiply.sv).
+  // Inverted twice: of several numbers in one sum Yosys makes two first, without a carry, which takes more look-up
+  // tables than additions do.
   assign above = ~({highs, lows[2*HALF-1:HALF]} + UPPER'(sums));
   assign taken = ~(UPPER'(highs) + UPPER'(lows));
   always_ff @(posedge clk)
