@@ -146,6 +146,8 @@ module setup_unit #(
   end
 
   // The slots' pipeline, once for all cores.
+  (* ram_style = "block" *) logic [BITS-1:0] words_of_program[0:255];
+  initial for (int i = 0; i < 256; i = i + 1) words_of_program[i] = splatline_setup_pkg::microcode(8'(i));
   logic [BITS-1:0] read, stored;
   logic issued;
   splatline_setup_pkg::slot_t fetched, issue;
@@ -192,7 +194,7 @@ module setup_unit #(
   assign unread_a0 = slot0.a_constant || slot0.a_input;
   assign unread_b0 = !slot0.out && (slot0.b_constant || slot0.lookup != 0 || (slot0.plain && slot0.pick == 0));
   always_ff @(posedge clk) begin
-    read <= splatline_setup_pkg::microcode(next_cycle);
+    read <= words_of_program[next_cycle];
     stored <= read;
     issued <= issues;
     place_round <= round;
