@@ -30,7 +30,8 @@ endmodule
 // A splat leaves with one of its rows, or with none.
 module row_generator #(
     parameter LANE_BITS = 0,
-    parameter INTERVAL = 1
+    parameter INTERVAL = 1,
+    parameter WIDE_MULTIPLIERS = 4
 ) (
     input logic clk,
     input logic rst,
