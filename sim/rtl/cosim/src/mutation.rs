@@ -256,7 +256,7 @@ endmodule
     #[test]
     fn every_mutation_has_its_place() {
         for (judge, unit, choices) in [
-            ("primitive", &PRIMITIVE, 64),
+            ("primitive", &PRIMITIVE, 63),
             ("setup", &SETUP, 60),
             ("machine", &MACHINE, 24),
             ("order", &ORDER, 29),
