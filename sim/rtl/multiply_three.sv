@@ -1,4 +1,4 @@
-// left * right, two cycles later, unsigned, of factors of 23 to 34 bits by three multipliers where multiply.sv takes
+// left * right, two cycles later, unsigned, of factors of 18 to 34 bits by three multipliers where multiply.sv takes
 // four (Karatsuba and Ofman, 1962): with halves of 17 bits
 //
 //   left * right = high * 2^34 + (sums - high - low) * 2^17 + low
@@ -25,6 +25,11 @@ module multiply_three #(
   // Bits of the product of the upper halves, and of all but the lowest half.
   localparam HIGH = LEFT + RIGHT - 2 * HALF;
   localparam UPPER = HIGH + HALF;
+  generate
+    if (LEFT <= HALF || LEFT > 2 * HALF || RIGHT <= HALF || RIGHT > 2 * HALF) begin : gen_illegal_factors
+      $error("multiply_three: factors must have 18 to 34 bits");
+    end
+  endgenerate
 
   logic [HIGH-1:0] highs;
   logic [2*HALF-1:0] lows;

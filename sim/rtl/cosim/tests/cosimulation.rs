@@ -294,6 +294,7 @@ mod with_verilator {
             for (lanes, queue) in [(1, 8), (2, 2), (4, 8), (8, 16), (16, 256)] {
                 circuits.push(queued(design, lanes, queue));
             }
+            circuits.push(primitive::few_multipliers(design).unwrap());
             circuits.push(Circuit::new(&MACHINE, design, 1).unwrap());
             circuits.push(small_with_harmonics(design));
         }
@@ -318,6 +319,10 @@ mod with_verilator {
             (queued("lean18", 32, 8), "LANES must be 1, 2, 4, 8 or 16"),
             (queued("lean18", 4, 6), "QUEUE must be a power of two"),
             (queued("lean18", 4, 1), "QUEUE must be a power of two"),
+            (
+                queued("standard24", 4, 8).with("WIDE_MULTIPLIERS", 2),
+                "WIDE_MULTIPLIERS must be 3 or 4",
+            ),
         ] {
             let (accepted, said) = lint(&circuit);
             assert!(!accepted && said.contains(words), "{circuit}: {said}");
