@@ -107,7 +107,7 @@ module splat_machine #(
   logic stream_begins, stream_read, stream_comes, stream_valid, stream_ready, read_ready_stream;
   logic [31:0] stream_address;
   logic [127:0] stream_word;
-  logic raster_begins;
+  logic raster_begins, harmonics_turn;
   assign stream_begins = (state == IDLE && begins) || raster_begins;
   memory_stream stream (
       .clk,
@@ -116,7 +116,7 @@ module splat_machine #(
       .first(raster_begins ? base_lists : base_records),
       .count(raster_begins ? (32'(entries) + 32'd3) >> 2 : splatline_math::times(records, 4'(RECORD))),
       .read_valid(stream_read),
-      .read_ready(read_ready_stream),
+      .read_ready(read_ready_stream && !harmonics_turn),
       .read_address(stream_address),
       .requested(),
       .word_valid(stream_comes),
@@ -169,6 +169,7 @@ module splat_machine #(
 
   // Colours come after a while; packets wait for them in their queue.
   logic harmonics_read, harmonics_comes, read_ready_harmonics, coloured;
+  logic [2:0] harmonics_owed;
   logic [31:0] harmonics_address;
   splatline_pkg::footprint_t shown;
   generate
@@ -456,11 +457,18 @@ module splat_machine #(
   logic [32*READERS-1:0] reader_addresses;
   logic next_read_valid, next_read_ready;
   logic [31:0] next_read_address;
-  // Harmonics, the last one here, come first: records are read far ahead, and would keep them waiting.
-  assign readers = READERS'({order_read, stream_read, fetch_read, harmonics_read} >> (4 - READERS));
-  assign reader_addresses = (32 * READERS)'({order_address, stream_address, fetch_address, harmonics_address} >> (32 * (4 - READERS)));
-  assign {read_ready_order, read_ready_stream, read_ready_fetch, read_ready_harmonics} = 4'(readers_ready) << (4 - READERS);
-  assign {order_comes, stream_comes, fetch_comes, harmonics_comes} = 4'(comes) << (4 - READERS);
+  // Harmonics come last, and a word of records waits for three of theirs: behind a slow memory setup would run empty
+  // without records, and harmonics would begin too late.
+  assign harmonics_turn = harmonics_owed[0] && harmonics_read;
+  always_ff @(posedge clk) begin
+    if (harmonics_read && read_ready_harmonics) harmonics_owed <= harmonics_owed >> 1;
+    else if (stream_read && read_ready_stream) harmonics_owed <= 3'b111;
+    if (rst) harmonics_owed <= 0;
+  end
+  assign readers = READERS'({harmonics_read, order_read, stream_read && !harmonics_turn, fetch_read});
+  assign reader_addresses = (32 * READERS)'({harmonics_address, order_address, stream_address, fetch_address});
+  assign {read_ready_harmonics, read_ready_order, read_ready_stream, read_ready_fetch} = 4'(readers_ready);
+  assign {harmonics_comes, order_comes, stream_comes, fetch_comes} = 4'(comes);
   read_arbiter #(
       .UNITS(READERS),
       .DEPTH(9)

@@ -260,7 +260,7 @@ endmodule
             ("setup", &SETUP, 60),
             ("machine", &MACHINE, 24),
             ("order", &ORDER, 29),
-            ("harmonics", &MACHINE, 65),
+            ("harmonics", &MACHINE, 66),
         ] {
             let sources = Circuit::new(unit, "lean18", 1).unwrap().sources().unwrap();
             let mutations = mutations(judge).unwrap();
