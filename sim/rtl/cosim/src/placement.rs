@@ -36,15 +36,11 @@ fn synthesis(circuit: &Circuit) -> &'static str {
 }
 
 /// nextpnr's options for a circuit, first the clock that it is asked for, MHz: above the bars, so that it does not stop
-/// too early. Large circuits need version 0.7: the usual placer's places take a quarter more wire than those of the
-/// static one, which does not place pins (four lanes of lean18 100 to 112 MHz, with it 111 to 117 in half the time). By
-/// its places the usual router ends with the machine, too; router2 does not.
+/// too early. Large circuits need version 0.7 with Python, which finds places for multipliers and block RAM first, and
+/// the static placer, which does not place pins. By their places the usual router ends; router2 does not.
 fn placer_options(circuit: &Circuit) -> &'static str {
-    if *circuit.unit == MACHINE {
-        return "--freq 100 --placer static --lpf pins.lpf";
-    }
     if circuit.to_string().contains("LANES=4") {
-        return "--freq 130 --placer static --lpf pins.lpf";
+        return "--freq 130 --placer static --lpf pins.lpf --pre-place blocks.py";
     }
     "--freq 130"
 }
@@ -68,13 +64,13 @@ pub fn circuits(words: &str) -> Result<Vec<Circuit>> {
     for (unit, value) in [(&ORDER, 8), (&HARMONICS, 1), (&HARMONICS, 2)] {
         all.push(Circuit::new(unit, DESIGNS[0], value)?);
     }
-    all.push(machine(PLACED_CORES)?);
+    all.extend([machine(PLACED_CORES[0])?, machine(PLACED_CORES[1])?]);
     all.retain(|circuit| circuit.to_string().contains(words));
     Ok(all)
 }
 
-/// Cores of setup in the machine that is placed: a splat in 16 cycles. Those for one in 8 are placed, not routed.
-const PLACED_CORES: u32 = 9;
+/// Cores of setup in the machines that are placed: a splat in 16 cycles and in 8.
+const PLACED_CORES: [u32; 2] = [9, 17];
 
 /// The machine with four lanes and so many cores of setup.
 pub fn machine(cores: u32) -> Result<Circuit> {
@@ -133,6 +129,7 @@ fn placed(folder: &Path, seed: u32, options: &str) -> Result<(f64, String)> {
         .args(DEVICE.split(' '))
         .args(["--json", NETLIST, "--report", "report.json"])
         .args(["--seed", &seed.to_string()])
+        .env("SEED", seed.to_string())
         .args(["--timing-allow-fail", "--quiet"])
         .args(options.split(' '))
         .current_dir(folder))?;
@@ -145,8 +142,9 @@ const NETLIST: &str = "netlist.json";
 /// The module in it.
 pub const WRAPPER: &str = "wrapper";
 
-/// Any three pins near each other.
+/// Any three pins near each other, and places of blocks.
 const PINS: &str = include_str!("../templates/pins.lpf");
+const BLOCKS: &str = include_str!("../../blocks.py");
 
 /// Synthesises a circuit between registers into `netlist.json`, with registers moved into multipliers and memories.
 pub fn netlist(circuit: &Circuit, folder: &Path) -> Result<(Netlist, Fabric)> {
@@ -168,6 +166,7 @@ pub fn netlist(circuit: &Circuit, folder: &Path) -> Result<(Netlist, Fabric)> {
     fabric.flip_flops -= registers::move_in(&mut wired, WRAPPER)?;
     fs::write(path(NETLIST), serde_json::to_vec(&wired)?)?;
     fs::write(path("pins.lpf"), PINS)?;
+    fs::write(path("blocks.py"), BLOCKS)?;
     Ok((wired, fabric))
 }
 
