@@ -6,6 +6,7 @@
 
 use crate::area::cells;
 use crate::circuit::{Circuit, DESIGNS, HARMONICS, MACHINE, ORDER, PRIMITIVE, SETUP};
+use crate::machine::area::CORES;
 use crate::machine::unit;
 use crate::netlist::{Netlist, NetlistPort};
 use crate::package::filled;
@@ -36,9 +37,12 @@ fn synthesis(circuit: &Circuit) -> &'static str {
 }
 
 /// nextpnr's options for a circuit, first the clock that it is asked for, MHz: above the bars, so that it does not stop
-/// too early. Large circuits need version 0.7 with Python, which finds places for multipliers and block RAM first, and
-/// the static placer, which does not place pins. By their places the usual router ends; router2 does not.
+/// too early. Large circuits need version 0.7 with Python, which finds places for multipliers and block RAM first. The
+/// static placer takes a minute for four lanes and places no pins; in a full device it leaves cells far from their nets.
 fn placer_options(circuit: &Circuit) -> &'static str {
+    if *circuit.unit == MACHINE {
+        return "--freq 130 --pre-place blocks.py";
+    }
     if circuit.to_string().contains("LANES=4") {
         return "--freq 130 --placer static --lpf pins.lpf --pre-place blocks.py";
     }
@@ -64,13 +68,11 @@ pub fn circuits(words: &str) -> Result<Vec<Circuit>> {
     for (unit, value) in [(&ORDER, 8), (&HARMONICS, 1), (&HARMONICS, 2)] {
         all.push(Circuit::new(unit, DESIGNS[0], value)?);
     }
-    all.extend([machine(PLACED_CORES[0])?, machine(PLACED_CORES[1])?]);
+    let machines: Result<Vec<_>> = CORES.map(machine).into_iter().collect();
+    all.extend(machines?);
     all.retain(|circuit| circuit.to_string().contains(words));
     Ok(all)
 }
-
-/// Cores of setup in the machines that are placed: a splat in 16 cycles and in 8.
-const PLACED_CORES: [u32; 2] = [9, 17];
 
 /// The machine with four lanes and so many cores of setup.
 pub fn machine(cores: u32) -> Result<Circuit> {
@@ -119,8 +121,7 @@ fn version() -> Result<String> {
     let words = printed(Command::new(tool).arg("--version"))?;
     let mut parts = words.split(['(', ')']);
     let version = parts.find_map(|part| part.strip_prefix("Version "));
-    let version = version.unwrap_or_default();
-    Ok(format!("{tool} {version}"))
+    Ok(format!("{tool} {}", version.unwrap_or_default()))
 }
 
 /// Places and routes `netlist.json` in the folder; gives the clock in MHz and the slowest path.

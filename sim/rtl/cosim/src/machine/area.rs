@@ -9,7 +9,7 @@ use splatline_sim::machine::area::Fabric;
 use std::collections::BTreeMap;
 
 /// Cores of setup: a splat in 8 and in 16 cycles.
-const CORES: [u32; 2] = [17, 9];
+pub const CORES: [u32; 2] = [17, 9];
 
 /// Instances in `splat_machine.sv`, and what they are called in the table; the last is an option. Without an instance
 /// what stands in the machine itself: its states, its port, the words of records and packets.
