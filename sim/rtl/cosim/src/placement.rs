@@ -38,10 +38,10 @@ fn synthesis(circuit: &Circuit) -> &'static str {
 
 /// nextpnr's options for a circuit, first the clock that it is asked for, MHz: above the bars, so that it does not stop
 /// too early. Large circuits need version 0.7 with Python, which finds places for multipliers and block RAM first. The
-/// static placer takes a minute for four lanes and places no pins; in a full device it leaves cells far from their nets.
+/// static placer takes a minute for four lanes and places no pins; in a full device cells stay far from their nets.
 fn placer_options(circuit: &Circuit) -> &'static str {
     if *circuit.unit == MACHINE {
-        return "--freq 130 --pre-place blocks.py";
+        return "--freq 130 --lpf pins.lpf --pre-place blocks.py";
     }
     if circuit.to_string().contains("LANES=4") {
         return "--freq 130 --placer static --lpf pins.lpf --pre-place blocks.py";
