@@ -56,7 +56,10 @@ def pulls_between(cells, blocks, draw):
                         pulls[met][block] = pulls[met].get(block, 0) + pull
                     break
     least = [LEAST * sum(own.values()) for own in pulls]
-    return [[(other, pull) for other, pull in own.items() if pull > min(least[block], least[other])] for block, own in enumerate(pulls)]
+    return [
+        [(other, pull) for other, pull in own.items() if pull > min(least[block], least[other])]
+        for block, own in enumerate(pulls)
+    ]
 
 
 def annealed(kinds, pulls, sites, draw):
