@@ -65,17 +65,33 @@ module depth_sort #(
     digit = DIGIT'({{DIGIT{1'b0}}, key} >> (number * DIGIT));
   endfunction
 
-  // Counters of all digits' values, which become places. What is read goes into a register before anything is made of
-  // it: block RAM is slow.
+  // Counters of all digits' values, which become places. Block RAM is slow: what is read has a register of its own
+  // before anything is made of it.
   (* ram_style = "block", no_rw_check *) logic [COUNT_BITS-1:0] counters[0:(1<<PLACE)-1];
-  logic [PLACE-1:0] read_place, changed_place;
-  logic [COUNT_BITS-1:0] counter_read, counter, changed, after, moved_after;
-  logic follows, follows_last;
-  logic reads, changes;
+  logic [COUNT_BITS-1:0] counter_read, counter_found, counter, changed, after;
+
+  // Counters on their way: one is asked for, waits for its word, is next, and changes. One that any of the three before
+  // it changes was read too early, and takes what they made of it. Of those, the one right before it changes in the
+  // last moment.
+  logic asks, waiting, next, changing, moved, moves, changes;
+  logic [PLACE-1:0] read_place, waiting_place, next_place, changing_place, moved_place, changed_place;
+  logic follows_last_but_one, follows, changed_meanwhile;
+  logic [COUNT_BITS-1:0] moved_after, meanwhile;
+  assign follows_last_but_one = changing && waiting_place == changing_place;
+  // One addition for all counts.
+  assign after = counter + 1'b1;
   always_ff @(posedge clk) begin
-    if (reads) begin
+    if (moves) begin
       counter_read <= counters[read_place];
-      counter <= follows ? after : follows_last ? moved_after : counter_read;
+      counter_found <= counter_read;
+      counter <= follows ? after : changed_meanwhile ? meanwhile : counter_found;
+      {waiting, next, changing, moved} <= {asks, waiting, next, changing};
+      {waiting_place, next_place} <= {read_place, waiting_place};
+      {changing_place, moved_place} <= {next_place, changing_place};
+      moved_after <= after;
+      follows <= next && waiting_place == next_place;
+      changed_meanwhile <= follows_last_but_one || (moved && waiting_place == moved_place);
+      meanwhile <= follows_last_but_one ? after : moved_after;
     end
     if (changes) counters[changed_place] <= changed;
   end
@@ -83,67 +99,50 @@ module depth_sort #(
   // A splat that was taken is counted digit by digit.
   logic [PASS_BITS:0] step;
   logic [KEY_BITS-1:0] key;
-  logic counting, counted;
-  logic [PLACE-1:0] counting_place, counted_place;
   assign in_ready = state == TAKE && step == 0 && write_ready;
 
   // Values of a digit, one after the other, from one cycle to the next.
   logic [PLACE:0] value;
-  logic summing, summed;
-  logic [PLACE-1:0] summing_place, summed_place;
   logic [COUNT_BITS-1:0] sum;
   logic same_for_all;
 
-  // Splats on their way to their places: one waits for its counter, the next one moves, the last one has moved. A
-  // counter that either of the latter two changes is read too early by the first, which takes the place after theirs.
-  // Counting and summing, none moves.
-  logic waiting, moving, moved, moves;
-  logic [127:0] waiting_splat, moving_splat;
+  // Splats on their way to their places, beside their counters.
+  logic [127:0] waiting_splat, next_splat, moving_splat;
   logic [COUNT_BITS-1:0] left;
-  logic [DIGIT-1:0] coming_digit, waiting_digit, moving_digit, moved_digit;
-  assign moves = !moving || write_ready;
+  always_ff @(posedge clk)
+    if (moves) {waiting_splat, next_splat, moving_splat} <= {splat, waiting_splat, next_splat};
+  logic rests;  // nothing is on its way
+  assign rests = !waiting && !next && !changing;
+  assign moves = state != MOVE || !changing || write_ready;
   assign splat_ready = state == MOVE && moves;
-  assign coming_digit = digit(splat[KEY_BITS-1:0], pass);
-  assign waiting_digit = digit(waiting_splat[KEY_BITS-1:0], pass);
-  assign moving_digit = digit(moving_splat[KEY_BITS-1:0], pass);
-  assign follows = moving && waiting_digit == moving_digit;
-  assign follows_last = moved && waiting_digit == moved_digit;
-  // One addition for both counts.
-  assign after = counter + 1'b1;
 
   always_comb begin
-    reads = 1;
-    read_place = {pass, coming_digit};
-    changes = 0;
-    changed_place = summed_place;
-    changed = 0;
+    asks = 0;
+    read_place = {pass, digit(splat[KEY_BITS-1:0], pass)};
+    changes = changing && moves;
+    changed_place = changing_place;
+    changed = after;
     case (state)
       CLEAR: begin
         changes = 1;
         changed_place = value[PLACE-1:0];
+        changed = 0;
       end
       TAKE: begin
+        asks = step != 0 && step <= (PASS_BITS + 1)'(PASSES);
         read_place = {PASS_BITS'(step - 1'b1), digit(key, PASS_BITS'(step - 1'b1))};
-        changes = counted;
-        changed_place = counted_place;
-        changed = after;
       end
       SUM: begin
+        asks = !value[DIGIT];
         read_place = {pass, value[DIGIT-1:0]};
-        changes = summed;
         changed = sum;
       end
-      MOVE: begin
-        reads = moves;
-        changes = moving && write_ready;
-        changed_place = {pass, moving_digit};
-        changed = after;
-      end
+      MOVE: asks = splat_valid;
       default: ;
     endcase
   end
 
-  assign write_valid = (state == TAKE && step == 0 && in_valid) || (state == MOVE && moving);
+  assign write_valid = (state == TAKE && step == 0 && in_valid) || (state == MOVE && changing);
   assign write_address = (state == TAKE || side ? base_a : base_b) + (state == TAKE ? 32'(count) : 32'(counter));
   assign write_word = state == TAKE ? in : moving_splat;
   assign stream_begins = state == BEGIN;
@@ -157,48 +156,33 @@ module depth_sort #(
       CLEAR: begin
         value <= value + 1'b1;
         if (value[PLACE-1:0] == {PLACE{1'b1}}) state <= TAKE;
-        {side, pass, step, counting, counted, waiting, moving, moved} <= 0;
+        {side, pass, step} <= 0;
       end
       TAKE: begin
-        counting <= step != 0 && step <= (PASS_BITS + 1)'(PASSES);
-        counting_place <= read_place;
-        counted <= counting;
-        counted_place <= counting_place;
         if (step != 0) step <= step == (PASS_BITS + 1)'(PASSES + 1) ? '0 : step + 1'b1;
         if (in_valid && in_ready) begin
           key <= in[KEY_BITS-1:0];
           count <= count + 1'b1;
           step <= 1;
-        end else if (ends && !in_valid && step == 0) state <= count == 0 ? DONE : SUM;
+        end else if (ends && !in_valid && step == 0 && rests) state <= count == 0 ? DONE : SUM;
         value <= 0;
-        {sum, summing, summed, same_for_all} <= 0;
+        {sum, same_for_all} <= 0;
       end
       // What was written comes to rest meanwhile.
       SUM: begin
         if (!value[DIGIT]) value <= value + 1'b1;
-        summing <= !value[DIGIT];
-        summing_place <= read_place;
-        summed <= summing;
-        summed_place <= summing_place;
-        if (summed) begin
+        if (changing) begin
           sum <= sum + counter;
           if (counter == count) same_for_all <= 1;
         end
-        if (value[DIGIT] && !summing && !summed && settled) begin
+        if (value[DIGIT] && rests && settled) begin
           state <= same_for_all ? SETTLE : BEGIN;
           left <= count;
         end
       end
       BEGIN: state <= MOVE;
       MOVE: begin
-        if (moves) begin
-          {waiting, moving, moved} <= {splat_valid, waiting, moving};
-          waiting_splat <= splat;
-          moving_splat <= waiting_splat;
-          moved_digit <= moving_digit;
-          moved_after <= after;
-        end
-        if (moving && write_ready) begin
+        if (changing && write_ready) begin
           left <= left - 1'b1;
           if (left == 1) begin
             state <= SETTLE;
@@ -207,10 +191,9 @@ module depth_sort #(
         end
       end
       SETTLE: begin
-        {waiting, moving, moved} <= 0;
         if (settled) begin
           value <= 0;
-          {sum, summing, summed, same_for_all} <= 0;
+          {sum, same_for_all} <= 0;
           pass <= pass + 1'b1;
           state <= pass == PASS_BITS'(PASSES - 1) ? DONE : SUM;
         end

@@ -249,7 +249,7 @@ module splat_machine #(
   logic [127:0] order_word;
   logic [3:0] order_strobe;
   logic [TILE_BITS-1:0] end_tile;
-  logic [23:0] end_place;  // where the list of `end_tile` ended that was held out a cycle before
+  logic [23:0] end_place;  // where the list of `end_tile` ended that was held out two cycles before
   splat_order #(
       .DIGIT(DIGIT),
       .TILE_BITS(TILE_BITS)

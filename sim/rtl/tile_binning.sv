@@ -36,7 +36,7 @@ module tile_binning #(
     output logic full,  // no room: nothing was listed
     output logic [COUNT_BITS-1:0] entries,
     input logic [TILE_BITS-1:0] end_tile,
-    output logic [COUNT_BITS-1:0] end_place  // a cycle later, when done
+    output logic [COUNT_BITS-1:0] end_place  // two cycles later, when done
 );
   generate
     if (TILE_BITS < 2 || TILE_BITS > 12) begin : gen_illegal
@@ -53,29 +53,33 @@ module tile_binning #(
   } state_t;
   state_t state;
 
-  // Entries of each tile; then where its next one goes. What is read goes into a register before anything is made of
-  // it: block RAM is slow.
+  // Entries of each tile; then where its next one goes. Block RAM is slow: what is read has a register of its own
+  // before anything is made of it.
   (* ram_style = "block", no_rw_check *) logic [COUNT_BITS-1:0] counters[0:(1<<TILE_BITS)-1];
   logic [TILE_BITS-1:0] read_tile, changed_tile;
-  logic [COUNT_BITS-1:0] counter_read, counter, after, after_last, changed;
-  logic changes, moves, follows;
+  logic [COUNT_BITS-1:0] counter_read, counter_found, counter, after, changed;
+  assign after = counter + 1'b1;
+  assign end_place = counter_found;
+
+  // Tiles on their way: one is asked for its counter, one is next, one enters, the last one has. Between two splats
+  // there is a cycle, so that of the three before it the second and the third may be of the same tile: then its counter
+  // was read too early, and what they made of it is taken. Nothing moves while an entry waits to be written.
+  logic requested, next, enters, entered, changes, moves, follows, changed_meanwhile;
+  logic [TILE_BITS-1:0] requested_tile, next_tile, entering_tile, entered_tile;
+  logic [COUNT_BITS-1:0] after_last, meanwhile;
+  assign follows = enters && requested_tile == entering_tile;
   always_ff @(posedge clk) begin
     if (moves) begin
       counter_read <= counters[read_tile];
-      counter <= follows ? after_last : counter_read;
+      counter_found <= counter_read;
+      counter <= changed_meanwhile ? meanwhile : counter_found;
+      {requested_tile, next_tile, entering_tile, entered_tile} <= {read_tile, requested_tile, next_tile, entering_tile};
       after_last <= after;
+      changed_meanwhile <= follows || (entered && requested_tile == entered_tile);
+      meanwhile <= follows ? after : after_last;
     end
     if (changes) counters[changed_tile] <= changed;
   end
-  assign after = counter + 1'b1;
-  assign end_place = counter_read;
-
-  // Tiles on their way: one is asked for its counter, the next one enters, the last one has. Between two splats there
-  // is a cycle, so that only the last one's counter may be read while it changes. Nothing moves while an entry waits to
-  // be written.
-  logic requested, enters, entered;
-  logic [TILE_BITS-1:0] requested_tile, entering_tile, entered_tile;
-  assign follows = entered && requested_tile == entered_tile;
 
   // The walk over a splat's tiles.
   logic walking, counts, coming, last_column, last_row;
@@ -83,14 +87,15 @@ module tile_binning #(
   // A row's first tile stands in a register, and the column is added behind it: behind the product it would be the
   // longest way of the sorter.
   logic [TILE_BITS-1:0] tile, tile_of_row;
-  logic [47:0] coming_box;
-  logic [31:0] number, entry;
+  // A splat waits in a register before its walk: what brings it and the product have a cycle each.
+  logic waiting;
+  logic [47:0] waiting_box;
+  logic [31:0] waiting_number, number, next_number, entry;
   assign counts = state == COUNT;
   assign moves = !write_valid || write_ready;
-  assign box_ready = counts && !walking;
-  assign splat_ready = state == FILL && !walking && moves;
-  assign coming = counts ? box_valid && box_ready : splat_valid && splat_ready;
-  assign coming_box = counts ? box : splat[127:80];
+  assign box_ready = counts && !waiting;
+  assign splat_ready = state == FILL && !waiting;
+  assign coming = waiting && !walking && moves;
   assign tile = tile_of_row + TILE_BITS'(column);
   assign last_column = column == last;
   assign last_row = row == last_of_rows;
@@ -127,15 +132,19 @@ module tile_binning #(
   assign done = state == DONE;
 
   always_ff @(posedge clk) begin
+    if (!waiting) begin
+      waiting <= counts ? box_valid : splat_valid && splat_ready;
+      waiting_box <= counts ? box : splat[127:80];
+      waiting_number <= splat[79:48];
+    end else if (coming) waiting <= 0;
     if (moves) begin
-      {requested, enters, entered} <= {walking, requested, enters};
-      {requested_tile, entering_tile, entered_tile} <= {read_tile, requested_tile, entering_tile};
-      entry <= number;
+      {requested, next, enters, entered} <= {walking, requested, next, enters};
+      {next_number, entry} <= {number, next_number};
       if (coming) begin
-        {last_of_rows, last, row, column} <= coming_box;
-        first <= coming_box[11:0];
-        tile_of_row <= TILE_BITS'(coming_box[23:12] * tile_columns);
-        number <= splat[79:48];
+        {last_of_rows, last, row, column} <= waiting_box;
+        first <= waiting_box[11:0];
+        tile_of_row <= TILE_BITS'(waiting_box[23:12] * tile_columns);
+        number <= waiting_number;
         walking <= 1;
       end else if (walking) begin
         column <= last_column ? first : column + 1'b1;
@@ -150,17 +159,17 @@ module tile_binning #(
       CLEAR: begin
         index <= index + 1'b1;
         if (index + 1'b1 == tiles) state <= COUNT;
-        {walking, requested, enters, entered} <= 0;
+        {waiting, walking, requested, next, enters, entered} <= 0;
       end
       COUNT: begin
-        if (ends && !box_valid && !walking && !requested && !enters) state <= SUM;
+        if (ends && !box_valid && !waiting && !walking && !requested && !next && !enters) state <= SUM;
         {index, sum} <= 0;
       end
       SUM: begin
         index <= index + 1'b1;
         requested <= index < tiles;
         if (enters) sum <= sum + counter;
-        if (index >= tiles && !requested && !enters) begin
+        if (index >= tiles && !requested && !next && !enters) begin
           entries <= sum;
           full <= sum > most;
           left <= splats;
@@ -169,7 +178,7 @@ module tile_binning #(
       end
       FILL: begin
         if (coming) left <= left - 1'b1;
-        if (left == 0 && !walking && !requested && !enters) state <= DONE;
+        if (left == 0 && !walking && !requested && !next && !enters) state <= DONE;
       end
       default: ;
     endcase

@@ -2,8 +2,8 @@
 // writes the background of the others.
 //
 // Lists follow each other without a gap, tile by tile, so that a tile whose list ends where that of the tile before
-// does is empty. Ends are looked up one by one, in three cycles a tile: `request` holds `tile` out, the end is there in
-// the cycle after `granted`, and is judged in the next, since it comes out of block RAM late.
+// does is empty. Ends are looked up one by one, in three cycles a tile: `request` holds `tile` out, and the end comes
+// two cycles after `granted`.
 //
 // Pixels of a tile begin behind those of all tiles before it. All but the last row of tiles have the same height, and
 // all but the last column the same width, so that this place needs shifts and a sum alone, however many tiles are
@@ -42,7 +42,7 @@ module tile_finder #(
   state_t state;
   logic [11:0] column, row;
   logic [31:0] row_first;
-  logic [COUNT_BITS-1:0] begun, found, list;
+  logic [COUNT_BITS-1:0] begun;
   logic passes, last_in_row;
 
   function automatic logic [15:0] edge_of(input logic [11:0] number, input int bits, input logic [15:0] limit);
@@ -61,18 +61,16 @@ module tile_finder #(
   assign last_in_row = window.end_column == columns;
   assign request = state == REQUEST;
   assign valid = state == FOUND;
-  assign list = end_place - begun;
-  assign entries = found;
-  assign passes = (state == JUDGE && (found == 0) != (EMPTY != 0)) || (valid && ready);
+  assign passes = (state == JUDGE && (end_place == begun) != (EMPTY != 0)) || (valid && ready);
 
   always_ff @(posedge clk) begin
     if (request && granted) state <= RESPONSE;
-    if (state == RESPONSE) begin
-      state <= JUDGE;
-      found <= list;
+    if (state == RESPONSE) state <= JUDGE;
+    if (state == JUDGE) begin
+      state <= FOUND;
+      entries <= end_place - begun;
       begun <= end_place;
     end
-    if (state == JUDGE) state <= FOUND;
     if (passes) begin
       state <= tile + 1'b1 == tiles ? DONE : REQUEST;
       tile <= tile + 1'b1;

@@ -259,7 +259,7 @@ endmodule
             ("primitive", &PRIMITIVE, 63),
             ("setup", &SETUP, 60),
             ("machine", &MACHINE, 24),
-            ("order", &ORDER, 29),
+            ("order", &ORDER, 34),
             ("harmonics", &MACHINE, 66),
         ] {
             let sources = Circuit::new(unit, "lean18", 1).unwrap().sources().unwrap();

@@ -224,6 +224,7 @@ impl Load for OrderLoad {
         for tile in 0..self.lists.len() {
             bench.set(&[("end_tile", tile as u64)]);
             memory.cycle(&mut bench.circuit);
+            memory.cycle(&mut bench.circuit);
             ends.push(bench.circuit.read("end_place") as usize);
         }
         let full = bench.circuit.read("full") == 1;
