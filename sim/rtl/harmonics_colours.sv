@@ -91,6 +91,7 @@ module harmonics_colours #(
       .begins(address_valid && requested),
       .first(address),
       .count(32'(count)),
+      .none(count == 0),
       .read_valid,
       .read_ready,
       .read_address,

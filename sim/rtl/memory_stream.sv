@@ -12,6 +12,7 @@ module memory_stream #(
     input logic begins,
     input logic [31:0] first,
     input logic [31:0] count,
+    input logic none,  // `count` is 0, which is known before its sum is
     output logic read_valid,
     input logic read_ready,
     output logic [31:0] read_address,
@@ -30,7 +31,7 @@ module memory_stream #(
   always_ff @(posedge clk) begin
     if (begins) begin
       left <= count;
-      requested <= count == 0;
+      requested <= none;
       read_address <= first;
     end else if (read_valid && read_ready) begin
       left <= left - 1'b1;

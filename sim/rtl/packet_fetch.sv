@@ -20,7 +20,7 @@ module packet_fetch #(
     output logic [31:0] read_address,
     input logic word_valid,
     input logic [127:0] word,
-    output logic packet_valid,
+    output logic packet_next,  // one is there in the next cycle
     input logic packet_ready,
     output logic [128*WORDS-1:0] packet  // a whole one waits while the next is gathered
 );
@@ -85,21 +85,20 @@ module packet_fetch #(
   );
 
   logic [128*(WORDS-1)-1:0] held;
-  logic whole, moves;
+  logic packet_valid, whole, moves;
   assign whole = gathered == INDEX'(WORDS - 1);
   // A packet's place is free for a cycle before the next one comes, which takes as long anyway: so nothing before it
   // hangs on who takes it.
   assign moves = !packet_valid;
+  assign packet_next = !rst && (moves ? word_out_valid && whole : !packet_ready);
   assign word_out_ready = !whole || moves;
   always_ff @(posedge clk) begin
-    if (moves) begin
-      packet_valid <= word_out_valid && whole;
-      packet <= {word_out, held};
-    end else if (packet_ready) packet_valid <= 0;
+    packet_valid <= packet_next;
+    if (moves) packet <= {word_out, held};
     if (word_out_valid && word_out_ready) begin
       gathered <= whole ? '0 : gathered + 1'b1;
       held <= {word_out, held[128*(WORDS-1)-1:128]};
     end
-    if (rst) {gathered, packet_valid} <= 0;
+    if (rst) gathered <= 0;
   end
 endmodule

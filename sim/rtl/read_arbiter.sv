@@ -40,6 +40,7 @@ module read_arbiter #(
           .rst,
           .in_valid(valid[u]),
           .in_ready(ready[u]),
+          .ready_next(),
           .in(address[32*u+:32]),
           .out_valid(waiting[u]),
           .out_ready(read_ready && chosen[u]),

@@ -8,6 +8,7 @@ module register_slice #(
     input logic rst,
     input logic in_valid,
     output logic in_ready,
+    output logic ready_next,  // `in_ready` of the next cycle
     input logic [BITS-1:0] in,
     output logic out_valid,
     input logic out_ready,
@@ -17,20 +18,21 @@ module register_slice #(
   logic head, tail, full, put, leaves;
 
   assign in_ready = !full;
+  assign ready_next = rst || leaves || !(full || (put && out_valid));
   assign put = in_valid && !full;
   assign leaves = out_valid && out_ready;
   assign out = words[head];
   always_ff @(posedge clk) begin
-    if (put) words[tail] <= in;
+    // Whatever is there, while there is a place: whether it is a word is known late, and would have to reach all bits.
+    if (!full) words[tail] <= in;
+    full <= !ready_next;
     if (rst) begin
       head <= 0;
       tail <= 0;
-      full <= 0;
       out_valid <= 0;
     end else begin
       head <= head ^ leaves;
       tail <= tail ^ put;
-      full <= !leaves && (full || (put && out_valid));
       out_valid <= put || full || (out_valid && !out_ready);
     end
   end

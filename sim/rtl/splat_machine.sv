@@ -115,6 +115,7 @@ module splat_machine #(
       .begins(stream_begins),
       .first(raster_begins ? base_lists : base_records),
       .count(raster_begins ? (32'(entries) + 32'd3) >> 2 : splatline_math::times(records, 4'(RECORD))),
+      .none(raster_begins ? entries == 0 : records == 0),
       .read_valid(stream_read),
       .read_ready(read_ready_stream && !harmonics_turn),
       .read_address(stream_address),
@@ -211,13 +212,13 @@ module splat_machine #(
   // that culled ones leave theirs free.
   logic [31:0] number, packet_address;
   logic [3:0] step;
-  logic stores, sorts, sort_ready, store_ready;
+  logic stores, stored, sorts, sort_ready, store_ready;
   logic [128*PACKET-1:0] packet_words;
   logic [127:0] sort_word;
   assign packet_words = (128 * PACKET)'(shown);
-  assign stores = state == GEOMETRY && setup_valid && coloured && cull == 0 && step != 4'(PACKET);
+  assign stores = state == GEOMETRY && setup_valid && coloured && cull == 0 && !stored;
   // Only packets that are seen come so far.
-  assign sorts = state == GEOMETRY && setup_valid && step == 4'(PACKET);
+  assign sorts = state == GEOMETRY && setup_valid && stored;
   assign setup_ready = state == GEOMETRY && (cull != 0 || (sorts && sort_ready));
   function automatic logic [11:0] tile_of(input logic [15:0] place, input int bits);
     tile_of = 12'(place >> bits);
@@ -231,14 +232,17 @@ module splat_machine #(
     depth
   };
   always_ff @(posedge clk) begin
-    if (stores && store_ready) step <= step + 1'b1;
+    if (stores && store_ready) begin
+      step <= step + 1'b1;
+      stored <= step == 4'(PACKET - 1);
+    end
     if (setup_valid && setup_ready) begin
-      step <= 0;
+      {step, stored} <= 0;
       number <= number + 1'b1;
       packet_address <= packet_address + 32'(PACKET);
     end
     if (state == IDLE) begin
-      {number, step} <= 0;
+      {number, step, stored} <= 0;
       packet_address <= base_packets;
     end
   end
@@ -288,7 +292,7 @@ module splat_machine #(
   );
 
   // Lists to packets, packets to pixels.
-  logic fetch_read, fetch_comes, read_ready_fetch, packet_valid, packet_ready;
+  logic fetch_read, fetch_comes, read_ready_fetch, packet_next, packet_ready;
   logic [31:0] fetch_address;
   logic [128*PACKET-1:0] packet;
   assign raster_begins = state == ORDER && order_done && !full;
@@ -309,7 +313,7 @@ module splat_machine #(
       .read_address(fetch_address),
       .word_valid(fetch_comes),
       .word(coming),
-      .packet_valid,
+      .packet_next,
       .packet_ready,
       .packet
   );
@@ -371,6 +375,10 @@ module splat_machine #(
   assign finish_valid = state == FINISH && !pixel_valid;
   // A tile that was found has splats, and its last one ends the state: none of the next tile's comes through.
   assign packet_ready = state == DRAW && primitive_ready;
+  // Whether the primitive is offered a packet has a register of its own: a tile's end waits for it, and goes on to all
+  // lanes.
+  logic offered;
+  always_ff @(posedge clk) offered <= packet_next && (state == DRAW || (state == TILE && found && tile_ready));
   splat_primitive #(
       .LANES(LANES),
       .BLOCK_WORDS(BLOCK_WORDS)
@@ -385,7 +393,7 @@ module splat_machine #(
       .tile_valid(state == TILE && found),
       .tile_ready,
       .tile(window),
-      .packet_valid(state == DRAW && packet_valid),
+      .packet_valid(offered),
       .packet_ready(primitive_ready),
       .packet(packet[splatline_pkg::PACKET_BITS-1:0]),
       .finish_valid,
@@ -408,6 +416,7 @@ module splat_machine #(
       .rst,
       .in_valid(drawn_valid),
       .in_ready(drawn_ready),
+      .ready_next(),
       .in(drawn_pixel),
       .out_valid(pixel_valid),
       .out_ready(writes_ready),
@@ -433,7 +442,7 @@ module splat_machine #(
         drawn_first <= found_first;
       end
       DRAW:
-      if (packet_valid && packet_ready) begin
+      if (offered && packet_ready) begin
         left <= left - 1'b1;
         if (left == 1) state <= FINISH;
       end
@@ -494,14 +503,16 @@ module splat_machine #(
 
   logic [31:0] transmittance_word;
   assign transmittance_word = {transmittance[splatline_pkg::TRANSMITTANCE+1], 31'(transmittance[splatline_pkg::TRANSMITTANCE:0])};
-  logic writes, writes_ready, rests;
+  logic writes, writes_ready, writes_ready_next, rests;
   logic [31:0] chosen_address;
   logic [127:0] chosen_word;
   logic [3:0] chosen_strobe;
   assign background_ready = writes_ready && !pixel_valid;
   assign store_ready = writes_ready;
-  // The sorter writes a splat when its packet's words have been stored.
-  assign write_ready_order = writes_ready;
+  // The sorter writes a splat when its packet's words have been stored. All of it moves by this register, kept although
+  // it says what `writes_ready` does.
+  (* keep *)
+  always_ff @(posedge clk) write_ready_order <= writes_ready_next;
   assign writes = pixel_valid || background_valid || stores || order_write;
   // The phase says whose word it may be, not whether there is one: that is known later.
   logic paints;
@@ -530,6 +541,7 @@ module splat_machine #(
       .rst,
       .in_valid(writes),
       .in_ready(writes_ready),
+      .ready_next(writes_ready_next),
       .in({chosen_strobe, chosen_address, chosen_word}),
       .out_valid(write_valid),
       .out_ready(write_ready),

@@ -31,7 +31,7 @@ module tile_background #(
   splatline_pkg::window_t window;
   logic [COLUMN_BITS:0] width;
   logic [ROW_BITS:0] height;
-  logic [COLUMN_BITS+ROW_BITS-1:0] pixel, last;
+  logic [COLUMN_BITS+ROW_BITS-1:0] pixel, pixels, last;
   tile_finder #(
       .EMPTY(1),
       .TILE_BITS(TILE_BITS),
@@ -61,9 +61,10 @@ module tile_background #(
   assign pixel_valid = found && may_be_written;
   assign place = first + 32'(pixel);
   always_ff @(posedge clk) begin
-    // A tile is found three cycles after the one before, of which its window takes the first.
+    // A tile is found four cycles after the one before. Its window takes the first, and its pixels take two.
     may_be_written <= tile < turn;
-    last <= (COLUMN_BITS + ROW_BITS)'(width * height) - 1'b1;
+    pixels <= (COLUMN_BITS + ROW_BITS)'(width * height);
+    last <= pixels - 1'b1;
     if (pixel_valid && pixel_ready) pixel <= last_pixel ? '0 : pixel + 1'b1;
     if (begins) pixel <= 0;
   end

@@ -2,8 +2,8 @@
 // writes the background of the others.
 //
 // Lists follow each other without a gap, tile by tile, so that a tile whose list ends where that of the tile before
-// does is empty. Ends are looked up one by one, in three cycles a tile: `request` holds `tile` out, and the end comes
-// two cycles after `granted`.
+// does is empty. Ends are looked up one by one, in four cycles a tile: `request` holds `tile` out, the end comes two
+// cycles after `granted`, and is judged in the next, when the list's length is in a register.
 //
 // Pixels of a tile begin behind those of all tiles before it. All but the last row of tiles have the same height, and
 // all but the last column the same width, so that this place needs shifts and a sum alone, however many tiles are
@@ -34,6 +34,7 @@ module tile_finder #(
 
   typedef enum logic [2:0] {
     REQUEST,
+    READ,
     RESPONSE,
     JUDGE,
     FOUND,
@@ -61,16 +62,17 @@ module tile_finder #(
   assign last_in_row = window.end_column == columns;
   assign request = state == REQUEST;
   assign valid = state == FOUND;
-  assign passes = (state == JUDGE && (end_place == begun) != (EMPTY != 0)) || (valid && ready);
+  assign passes = (state == JUDGE && (entries == 0) != (EMPTY != 0)) || (valid && ready);
 
   always_ff @(posedge clk) begin
-    if (request && granted) state <= RESPONSE;
-    if (state == RESPONSE) state <= JUDGE;
-    if (state == JUDGE) begin
-      state <= FOUND;
+    if (request && granted) state <= READ;
+    if (state == READ) state <= RESPONSE;
+    if (state == RESPONSE) begin
+      state <= JUDGE;
       entries <= end_place - begun;
       begun <= end_place;
     end
+    if (state == JUDGE) state <= FOUND;
     if (passes) begin
       state <= tile + 1'b1 == tiles ? DONE : REQUEST;
       tile <= tile + 1'b1;
