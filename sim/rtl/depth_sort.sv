@@ -107,10 +107,10 @@ module depth_sort #(
   logic same_for_all;
 
   // Splats on their way to their places, beside their counters.
-  logic [127:0] waiting_splat, next_splat, moving_splat;
+  logic [127:0] waiting_splat, next_splat, changing_splat;
   logic [COUNT_BITS-1:0] left;
   always_ff @(posedge clk)
-    if (moves) {waiting_splat, next_splat, moving_splat} <= {splat, waiting_splat, next_splat};
+    if (moves) {waiting_splat, next_splat, changing_splat} <= {splat, waiting_splat, next_splat};
   logic rests;  // nothing is on its way
   assign rests = !waiting && !next && !changing;
   assign moves = state != MOVE || !changing || write_ready;
@@ -144,7 +144,7 @@ module depth_sort #(
 
   assign write_valid = (state == TAKE && step == 0 && in_valid) || (state == MOVE && changing);
   assign write_address = (state == TAKE || side ? base_a : base_b) + (state == TAKE ? 32'(count) : 32'(counter));
-  assign write_word = state == TAKE ? in : moving_splat;
+  assign write_word = state == TAKE ? in : changing_splat;
   assign stream_begins = state == BEGIN;
   assign stream_first = side ? base_b : base_a;
   assign stream_count = 32'(count);
