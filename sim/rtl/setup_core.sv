@@ -1,8 +1,8 @@
 // A core of the setup unit: one pipeline, through which goes every sum of products of setup, one term a cycle. Its
 // registers and tables stand in setup_memory.sv.
 //
-//   registers | factors | rest, exponents | signs, choice | product (2) | term | largest (3) | distance | shift (2) |
-//   sign | sum | normalisation (4) | rounding | carry, write
+//   registers | factors | rest, exponents | signs, choice | entry | product (2) | term | largest (2) | distance |
+//   shift (2) | sign | sum | normalisation (4) | rounding | carry, write
 //
 // It is `sum_of_products`, `sum_below` and `SoftFloat::from_wide` of src/math/soft_float.rs, and all else in setup is
 // written as such sums: a multiplication has one term, a fixed-point number a unit that is given, a table's
@@ -14,8 +14,8 @@
 // only ever moved right. What ought to be moved left is beyond every fixed-point number in use, and stays where it is,
 // which is as far beyond.
 //
-// The unit of a sum is known once the exponent of its last term is; until then its terms wait three cycles, so that up
-// to four can be aligned to the largest.
+// The unit of a sum is known once the exponent of its last term is: of up to four terms, three cycles after the first
+// one's. Meanwhile tables and multipliers have registers, and the term waits for the rest of the time.
 module setup_core (
     input logic clk,
     // Slots by stage: slots[i] was issued i cycles ago.
@@ -26,13 +26,14 @@ module setup_core (
     output logic [50:0] result21,
     // What a table is asked for two cycles after, and its answer.
     output logic [8:0] index2,
-    input logic [31:0] table3,
+    input logic [31:0] table4,
     // The slot's constant as first factor one cycle after its issue and as what is picked three cycles after, 0 where
-    // it is neither; the right factor's share that is the same for all cores: the constant, or 2^31 beside a plain
-    // term, with what the slot adds to the exponents. Where a sum begins, fourteen cycles after.
+    // it is neither; what is the same for all cores of the exponents, and of the right factor: the constant, or 2^31
+    // beside a plain term. Where a sum begins, fourteen cycles after.
     input logic [50:0] constant1,
     input logic [32:0] picked3,
-    input logic [50:0] right3,
+    input logic [17:0] offset3,
+    input logic [32:0] right4,
     input logic [63:0] start14,
     // Half of the last bit that the slot's result keeps, and the bits that it keeps.
     input logic [15:0] half19,
@@ -109,7 +110,7 @@ module setup_core (
   // 2: the left factor: the first one, or of a table's argument the rest, whose place the slot's own exponent knows;
   // beside an entry 2^31. What the first factor gives the exponent: a reciprocal's is its negative but for the one that
   // the slot's own part adds; where it counts for nothing, -31.
-  logic signed [32:0] left2, left3, picked3_or_left, left4, right4;
+  logic signed [32:0] left2, left3, picked3_or_left;
   logic [32:0] mask2;
   logic [17:0] power2;
   logic signed [17:0] first2, first3, second3, sum4;
@@ -128,42 +129,48 @@ module setup_core (
     left2[31] = left2[31] | slot2.entry;
   end
 
-  // 3: the factors.
+  // 3, 4: the factors. They stand in registers that nothing else reads and no reset reaches, so that these can be the
+  // multipliers' own.
+  logic signed [32:0] left4, b4, left5, right5;
+  logic looks_up4;
   assign picked3_or_left = left3 | second_value3 | (chosen3 ? picked3 : 33'sd0);
-  assign second3 = b_exponent3 | (!picks3 || chosen3 ? right3[50:33] : 18'd0);
+  assign second3 = b_exponent3 | (!picks3 || chosen3 ? offset3 : 18'd0);
   always_ff @(posedge clk) begin
     left3 <= left2 ^ {33{slot2.negated}};
     if (slot2.power || slot2.pick != 0 || slot2.lookup == 2'd3) first3 <= -18'sd31;
     else first3 <= first2;
     left4 <= picked3_or_left + {32'd0, slot3.negated};
-    if (slot3.lookup != 0) right4 <= {1'b0, table3};
-    else right4 <= b3 | right3[32:0];
+    b4 <= b3;
+    looks_up4 <= slot3.lookup != 0;
+    left5 <= left4;
+    // A slot with a table has no other right factor.
+    right5 <= b4 | right4 | {1'b0, table4 & {32{looks_up4}}};
     // One addition with a carry.
     sum4 <= 18'($signed({first3, 1'b1} + {second3, even3}) >>> 1);
   end
 
-  // 4 to 6: the product from parts of 17 bits and a sign: as many as a signed multiplier has.
-  logic signed [35:0] high5, low5, cross5, crossed5;
-  logic signed [46:0] high6;
-  logic signed [35:0] cross6;
-  logic [16:0] low6;
+  // 5 to 7: the product from parts of 17 bits and a sign: as many as a signed multiplier has.
+  logic signed [35:0] high6, low6, cross6, crossed6;
+  logic signed [46:0] high7;
+  logic signed [35:0] cross7;
+  logic [16:0] low7;
   always_ff @(posedge clk) begin
-    high5 <= $signed(36'($signed(left4[32:17])) * 36'($signed(right4[32:17])));
-    cross5 <= $signed(36'($signed(left4[32:17])) * 36'($signed({1'b0, right4[16:0]})));
-    crossed5 <= $signed(36'($signed({1'b0, left4[16:0]})) * 36'($signed(right4[32:17])));
-    low5 <= $signed(36'($signed({1'b0, left4[16:0]})) * 36'($signed({1'b0, right4[16:0]})));
-    high6 <= {high5[29:0], low5[33:17]};
-    cross6 <= cross5 + crossed5;
-    low6 <= low5[16:0];
+    high6 <= $signed(36'($signed(left5[32:17])) * 36'($signed(right5[32:17])));
+    cross6 <= $signed(36'($signed(left5[32:17])) * 36'($signed({1'b0, right5[16:0]})));
+    crossed6 <= $signed(36'($signed({1'b0, left5[16:0]})) * 36'($signed(right5[32:17])));
+    low6 <= $signed(36'($signed({1'b0, left5[16:0]})) * 36'($signed({1'b0, right5[16:0]})));
+    high7 <= {high6[29:0], low6[33:17]};
+    cross7 <= cross6 + crossed6;
+    low7 <= low6[16:0];
   end
 
   // 5 to 10: the term, and the sum's unit: the largest that its terms ask for, or the first one's. A term asks before
   // its product is there, so that only what comes behind it in its sum makes it wait.
-  logic signed [63:0] term7, term8, term9, term10;
+  logic signed [63:0] term8, term9, term10;
   logic signed [17:0] candidate5, unit6, unit7, unit8, unit9, unit10;
   always_ff @(posedge clk) begin
-    term7 <= {high6 + 47'(cross6), low6};
-    {term8, term9, term10} <= {term7, term8, term9};
+    term8 <= {high7 + 47'(cross7), low7};
+    {term9, term10} <= {term8, term9};
     candidate5 <= 18'(slot4.step) + (slot4.base == 2'd2 ? 18'sd0 : sum4);
     {exponent5, exponent6, exponent7, exponent8, exponent9, exponent10} <= {sum4, exponent5, exponent6, exponent7, exponent8, exponent9};
     if (slot5.first || slot5.again || slot5.base == 0 && candidate5 > unit6) unit6 <= candidate5;

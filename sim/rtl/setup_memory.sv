@@ -18,7 +18,7 @@ module setup_memory #(
     // An argument's entry of a table, or the step to the next one.
     input logic entry,
     input logic [9*CORES-1:0] index,
-    output logic [32*CORES-1:0] found
+    output logic [32*CORES-1:0] found  // two cycles later
 );
   (* ram_style = "block", no_rw_check *) logic [51*CORES-1:0] registers_a[0:255];
   (* ram_style = "block", no_rw_check *) logic [51*CORES-1:0] registers_b[0:255];
@@ -36,7 +36,11 @@ module setup_memory #(
   genvar i;
   generate
     for (i = 0; i < CORES; i = i + 1) begin : gen_port
-      always_ff @(posedge clk) found[32*i+:32] <= entries[{entry, index[9*i+:9]}];
+      logic [31:0] read;
+      always_ff @(posedge clk) begin
+        read <= entries[{entry, index[9*i+:9]}];
+        found[32*i+:32] <= read;
+      end
     end
   endgenerate
 endmodule

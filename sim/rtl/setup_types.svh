@@ -70,7 +70,8 @@
     logic [7:0] write_place;
     logic [50:0] constant1;
     logic [32:0] picked3;
-    logic [50:0] right3;
+    logic [17:0] offset3;
+    logic [32:0] right4;
     logic [63:0] start14;
     logic [15:0] half19;
     logic [16:0] mask19;

@@ -111,7 +111,6 @@ module setup_unit #(
   logic [1:0] pending;
   logic [11:0] pending_count;
   logic drained, drain_side;
-  assign switches = cycle == 8'(ROUND - splatline_setup_pkg::LOAD_AHEAD) && issues;
   // The next round's results go where those of the round before this one may still be.
   assign waits = cycle == 8'(ROUND - 1) && pending[!round[0]];
   always_comb begin
@@ -121,6 +120,7 @@ module setup_unit #(
   always_ff @(posedge clk) begin
     phase <= phase + 1'b1;
     issues <= !waits;
+    switches <= next_cycle == 8'(ROUND - splatline_setup_pkg::LOAD_AHEAD) && !waits;
     if (taken) loaded <= loaded + 1'b1;
     cycle <= next_cycle;
     if (switches) begin
@@ -156,9 +156,10 @@ module setup_unit #(
   logic [21*8-1:0] result_places;
   logic [3:0] splat, leaving, second_splat;
   logic [81:0] constant1, constant2, constant3;
-  logic [50:0] right3;
+  logic [17:0] offset3;
+  logic [32:0] right4;
   logic [63:0] start13, start14;
-  splatline_setup_pkg::slot_t slot0, slot1, slot2, slot12, slot13, slot18, slot20;
+  splatline_setup_pkg::slot_t slot0, slot1, slot2, slot3, slot12, slot13, slot18, slot20;
   logic unread_a0, unread_b0, writes;
   logic [15:0] half19;
   logic [16:0] mask19;
@@ -187,6 +188,7 @@ module setup_unit #(
   assign slot0 = slots[0+:BITS];
   assign slot1 = slots[1*BITS+:BITS];
   assign slot2 = slots[2*BITS+:BITS];
+  assign slot3 = slots[3*BITS+:BITS];
   assign slot12 = slots[12*BITS+:BITS];
   assign slot13 = slots[13*BITS+:BITS];
   assign slot18 = slots[18*BITS+:BITS];
@@ -209,9 +211,9 @@ module setup_unit #(
     side <= fetched_side;
     constant1 <= constants[constant_place];
     {constant2, constant3} <= {constant1, constant2};
-    // The cores' common share of the right factor and of the exponents.
-    right3[32:0] <= slot2.plain && !slot2.entry ? 33'h80000000 : slot2.b_constant ? constant2[32:0] : 33'd0;
-    right3[50:33] <= ((slot2.b_constant && !slot2.plain) || slot2.pick != 0 ? constant2[81:64] : 18'd0) + 18'(slot2.offset);
+    // The cores' common share of the exponents and of the right factor.
+    offset3 <= ((slot2.b_constant && !slot2.plain) || slot2.pick != 0 ? constant2[81:64] : 18'd0) + 18'(slot2.offset);
+    right4 <= slot3.plain && !slot3.entry ? 33'h80000000 : slot3.b_constant ? constant3[32:0] : 33'd0;
     start13 <= starts[slot12.start];
     start14 <= slot13.addend ? start13 : 64'd0;
     // A mantissa's rounding.
@@ -234,7 +236,8 @@ module setup_unit #(
     write_place,
     slot1.a_constant ? {constant1[81:64], constant1[32:0]} : 51'd0,
     constant3[32:0],
-    right3,
+    offset3,
+    right4,
     start14,
     half19,
     mask19,

@@ -87,15 +87,17 @@ module tile_binning #(
   // A row's first tile stands in a register, and the column is added behind it: behind the product it would be the
   // longest way of the sorter.
   logic [TILE_BITS-1:0] tile, tile_of_row;
-  // A splat waits in a register before its walk: what brings it and the product have a cycle each.
-  logic waiting;
-  logic [47:0] waiting_box;
-  logic [31:0] waiting_number, number, next_number, entry;
+  // A splat passes two registers before its walk: what brings it, the product and the walk's first step have a cycle
+  // each. That they are free, not that they are taken, is what stands in a register: so it enables the multiplier's.
+  logic free, placed_free;
+  logic [47:0] waiting_box, placed_box;
+  logic [31:0] waiting_number, placed_number, number, next_number, entry;
+  logic [TILE_BITS-1:0] first_tile_of_row;
   assign counts = state == COUNT;
   assign moves = !write_valid || write_ready;
-  assign box_ready = counts && !waiting;
-  assign splat_ready = state == FILL && !waiting;
-  assign coming = waiting && !walking && moves;
+  assign box_ready = counts && free;
+  assign splat_ready = state == FILL && free;
+  assign coming = !placed_free && !walking && moves;
   assign tile = tile_of_row + TILE_BITS'(column);
   assign last_column = column == last;
   assign last_row = row == last_of_rows;
@@ -132,19 +134,24 @@ module tile_binning #(
   assign done = state == DONE;
 
   always_ff @(posedge clk) begin
-    if (!waiting) begin
-      waiting <= counts ? box_valid : splat_valid && splat_ready;
+    if (free) begin
+      free <= counts ? !box_valid : !(splat_valid && splat_ready);
       waiting_box <= counts ? box : splat[127:80];
       waiting_number <= splat[79:48];
-    end else if (coming) waiting <= 0;
+    end else if (placed_free) free <= 1;
+    if (placed_free) begin
+      placed_free <= free;
+      {placed_box, placed_number} <= {waiting_box, waiting_number};
+      first_tile_of_row <= TILE_BITS'(waiting_box[23:12] * tile_columns);
+    end else if (coming) placed_free <= 1;
     if (moves) begin
       {requested, next, enters, entered} <= {walking, requested, next, enters};
       {next_number, entry} <= {number, next_number};
       if (coming) begin
-        {last_of_rows, last, row, column} <= waiting_box;
-        first <= waiting_box[11:0];
-        tile_of_row <= TILE_BITS'(waiting_box[23:12] * tile_columns);
-        number <= waiting_number;
+        {last_of_rows, last, row, column} <= placed_box;
+        first <= placed_box[11:0];
+        tile_of_row <= first_tile_of_row;
+        number <= placed_number;
         walking <= 1;
       end else if (walking) begin
         column <= last_column ? first : column + 1'b1;
@@ -159,10 +166,11 @@ module tile_binning #(
       CLEAR: begin
         index <= index + 1'b1;
         if (index + 1'b1 == tiles) state <= COUNT;
-        {waiting, walking, requested, next, enters, entered} <= 0;
+        {walking, requested, next, enters, entered} <= 0;
+        {free, placed_free} <= 2'b11;
       end
       COUNT: begin
-        if (ends && !box_valid && !waiting && !walking && !requested && !next && !enters) state <= SUM;
+        if (ends && !box_valid && free && placed_free && !walking && !requested && !next && !enters) state <= SUM;
         {index, sum} <= 0;
       end
       SUM: begin
