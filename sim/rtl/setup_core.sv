@@ -129,7 +129,7 @@ module setup_core (
     left2[31] = left2[31] | slot2.entry;
   end
 
-  // 3, 4: the factors. They stand in registers that nothing else reads and no reset reaches, so that these can be the
+  // 3, 4: the factors. Their last registers have neither other readers nor a reset, so that they can be the
   // multipliers' own.
   logic signed [32:0] left4, b4, left5, right5;
   logic looks_up4;

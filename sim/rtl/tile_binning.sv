@@ -88,7 +88,7 @@ module tile_binning #(
   // longest way of the sorter.
   logic [TILE_BITS-1:0] tile, tile_of_row;
   // A splat passes two registers before its walk: what brings it, the product and the walk's first step have a cycle
-  // each. That they are free, not that they are taken, is what stands in a register: so it enables the multiplier's.
+  // each. `free`, not its opposite, is a register, since a multiplier's own registers have no inverted enable.
   logic free, placed_free;
   logic [47:0] waiting_box, placed_box;
   logic [31:0] waiting_number, placed_number, number, next_number, entry;

@@ -28,6 +28,33 @@ fn committed_packages_are_the_generators() {
     }
 }
 
+/// A core joins a table's answer with the right factor without asking for it.
+#[test]
+fn terms_with_tables_have_no_right_factor() {
+    let programs = [
+        SetupProgram::new(ProgramKind::Filter).with_direction(),
+        SetupProgram::new(ProgramKind::DistanceScaling),
+        SetupProgram::new(ProgramKind::Compensation),
+        SetupProgram::new(ProgramKind::Units),
+    ];
+    for design in DESIGNS {
+        let choice = DesignChoice::load(design).unwrap();
+        for program in &programs {
+            let operations = program.assembled(&choice.widths).unwrap().operations;
+            let mut tables = 0;
+            for term in operations.iter().flat_map(|operation| &operation.terms) {
+                let is_set = |name| term.fields.get(name).is_some_and(|value| *value != 0);
+                if is_set("lookup") {
+                    tables += 1;
+                    assert_eq!(term.b, Default::default(), "{design}: {term:?}");
+                    assert!(!is_set("plain") || is_set("entry"), "{design}: {term:?}");
+                }
+            }
+            assert!(tables > 0);
+        }
+    }
+}
+
 #[test]
 fn committed_tables_are_the_generators() {
     assert_committed(&rtl().join(tables::FILE), &tables::text());
